@@ -1,0 +1,49 @@
+// Measures whether OUT is the offset of IN at distance d: the judge phront puts before its own door.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "phront/cad/shape.h"
+#include "phront/progress.h"
+#include "phront/status.h"
+
+namespace phront::cad {
+
+struct CheckOptions {
+  double distance = 0;                ///< d, mm, signed
+  std::optional<double> tolerance;    ///< mm, bound on 99th percentiles; default 1 % of |d|
+  int samples = 20'000;               ///< over the whole surface, and at least 20 on each face
+  double timeLimit = 60;              ///< s, for the guarded child that measures
+};
+
+/// All lengths in mm. "accuracy" samples OUT against the true IN; "coverage" samples the true offset,
+/// built from IN alone, against OUT.
+struct CheckResult {
+  int solids = 0;
+  int shells = 0;
+  int faces = 0;
+  bool valid = false;          ///< BRepCheck
+  bool closed = false;         ///< every edge used exactly twice in its shell
+  double volume = 0;           ///< mm^3
+  double accuracyP99 = 0;      ///< 99th percentile of | dist(OUT, IN) - |d| |, by area
+  double accuracyMax = 0;
+  double coverageP99 = 0;
+  double coverageMax = 0;
+  double rightSide = 1;        ///< share of OUT's area on the right side of IN
+  bool trueOffsetEmpty = false;  ///< no point of IN has an offset: the right answer is "nothing"
+  int untessellatedFaces = 0;
+  Vec3 worstPoint = Vec3::Zero();
+  std::vector<std::string> reasons;  ///< why it fails; empty when it passes
+  [[nodiscard]] bool pass() const { return reasons.empty(); }
+};
+
+/// Independent of how OUT was made. An empty OUT model asks "is the true offset empty?".
+/// Sheets are judged one-sided: no sidedness, no closedness. Guarded: never crashes or hangs.
+/// Fails with InvalidArgument (d = 0 or NaN), Failed (IN cannot be tessellated), ResourceLimit.
+[[nodiscard]] Result<CheckResult> checkOffset(const Model& in, const Model& out,
+                                              const CheckOptions& options,
+                                              const Progress& progress = {});
+
+}  // namespace phront::cad

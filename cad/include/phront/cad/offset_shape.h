@@ -1,0 +1,64 @@
+// The main job: a model in, its offset out, judged.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "phront/cad/check.h"
+#include "phront/cad/shape.h"
+#include "phront/progress.h"
+#include "phront/status.h"
+
+namespace phront::cad {
+
+struct OffsetOptions {
+  double distance = 0;              ///< d, mm, signed: positive grows the solid, negative shrinks it
+  std::optional<double> tolerance;  ///< mm, bound on the deviation; default 1 % of |d|
+  int threads = 0;                  ///< 0: all cores
+  double exactTimeLimit = 40;       ///< s, all attempts at exact patches of one body together
+};
+
+/// How the faces of a body's offset came about.
+enum class OffsetKind { Exact, Faceted, Empty, Failed };
+
+struct BodyReport {
+  std::string name;
+  OffsetKind kind = OffsetKind::Failed;
+  int inputFaces = 0;
+  int exactFaces = 0;     ///< result faces on exact offset surfaces
+  int facetedFaces = 0;   ///< planar facets that stand in for curved offset surfaces
+  int solids = 0;         ///< result solids
+  std::string setting;    ///< which attempt the judge accepted
+  std::vector<std::string> attempts;  ///< one line each: setting, outcome, seconds
+  CheckResult check;
+};
+
+struct StageTime {
+  std::string stage;
+  double seconds = 0;
+};
+
+struct OffsetReport {
+  OffsetOptions options;              ///< as resolved
+  std::vector<BodyReport> bodies;
+  CheckResult check;                  ///< of the whole result against the whole input
+  std::vector<std::string> warnings;
+  std::vector<StageTime> times;
+};
+
+struct OffsetResult {
+  Model model;          ///< no bodies when the offset is empty
+  OffsetReport report;
+  [[nodiscard]] bool accepted() const { return report.check.pass(); }
+};
+
+/// Offsets every body on its own. Solids give closed solids (or nothing, when thinner than 2|d|
+/// everywhere); sheets give one sheet at signed distance d on the side of their normals.
+/// Always judged; a result that fails its judge is still returned, `accepted()` is then false.
+/// Fails with InvalidArgument, Failed, ResourceLimit, Cancelled.
+[[nodiscard]] Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& options,
+                                               const Progress& progress = {});
+
+}  // namespace phront::cad

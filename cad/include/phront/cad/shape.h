@@ -1,0 +1,52 @@
+// B-Rep shapes as values, without OpenCASCADE in sight. Lengths in millimetres.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "phront/types.h"
+
+namespace phront::cad {
+
+/// A B-Rep shape. Copies share the same immutable geometry. OpenCASCADE's own type is reached through
+/// the opt-in header shape_occt.h.
+class Shape {
+ public:
+  Shape() = default;
+  [[nodiscard]] bool empty() const { return !impl_; }
+
+  struct Impl;
+  explicit Shape(std::shared_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+  [[nodiscard]] const Impl& impl() const { return *impl_; }
+
+ private:
+  std::shared_ptr<const Impl> impl_;
+};
+
+enum class BodyKind { Solid, Sheet };
+
+/// One solid or one connected sheet, in its place.
+struct Body {
+  Shape shape;
+  BodyKind kind = BodyKind::Solid;
+  std::string name;                    ///< from the file, else empty
+  std::vector<std::string> faceNames;  ///< per face in file order; empty strings where unnamed
+};
+
+/// What a file holds. Everything is in mm, whatever the file's unit.
+struct Model {
+  std::vector<Body> bodies;
+  std::string unit = "mm";     ///< the file's own length unit
+  double unitInMm = 1;         ///< one unit of the file in mm
+  std::vector<std::string> warnings;  ///< one sentence each: what was assumed or repaired
+};
+
+/// Bounding box, tight to the geometry.
+[[nodiscard]] Box3 boundingBox(const Shape& shape);
+[[nodiscard]] Box3 boundingBox(const Model& model);
+
+/// Number of faces.
+[[nodiscard]] int faceCount(const Shape& shape);
+
+}  // namespace phront::cad

@@ -1,0 +1,43 @@
+// One attempt at the offset by exact patches: raw complex, General Fuse, phi decides, MakerVolume.
+#pragma once
+
+#include <TopoDS_Shape.hxx>
+#include <string>
+#include <vector>
+
+#include "phront/status.h"
+#include "rebuild/true_distance.h"
+
+namespace phront::cad {
+
+/// One way to try. Several are tried, each judged; the first that passes wins.
+struct AttemptSetting {
+  std::string name;             ///< shown in the report
+  double fuzzy = 0;             ///< of the diagonal, General Fuse
+  double smoothTolerance = 0;   ///< of |d|: an edge with dihedral angle below is smooth
+  double sewTolerance = 0;      ///< of the diagonal; 0: kept faces are not sewn
+  bool canonical = false;       ///< recognise planes, cylinders, ... stored as B-splines
+  bool unifyInput = false;      ///< merge split faces of the input first
+  bool dropDeadPatches = false; ///< drop patches that no label of the iso-surface names
+  double timeLimit = 15;        ///< s
+};
+
+/// The settings in the order they are tried.
+[[nodiscard]] std::vector<AttemptSetting> attemptSettings();
+
+struct AttemptResult {
+  TopoDS_Shape shape;           ///< solids (or a sheet); null when nothing is left
+  int rawFaces = 0;
+  int splitFaces = 0;
+  int keptFaces = 0;
+  int openEdges = 0;
+  std::vector<std::string> notes;  ///< healing done, faces given up: one sentence each
+};
+
+/// Runs in the calling process and may throw, hang or crash with OpenCASCADE: call it in runInChild.
+/// `distance` signed, mm. `solid`: closed result wanted; else a sheet on the side of the normals.
+[[nodiscard]] Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid,
+                                                   double distance, const TrueDistance& phi,
+                                                   const AttemptSetting& setting);
+
+}  // namespace phront::cad

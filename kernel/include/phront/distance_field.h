@@ -1,0 +1,70 @@
+// Signed distance on sparse tiles of a Cartesian grid.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "phront/progress.h"
+#include "phront/status.h"
+#include "phront/surface_distance.h"
+
+namespace phront {
+
+/// Integer coordinates of a grid node or tile.
+using GridIndex = std::array<std::int32_t, 3>;
+
+/// Which nodes a field must hold and how fine.
+struct FieldOptions {
+  double spacing = 0;   ///< h > 0, model units
+  double bandMin = 0;   ///< nodes with bandMin <= phi <= bandMax are held for certain
+  double bandMax = 0;   ///< (whole tiles are: more nodes than asked)
+  int threads = 0;      ///< 0: all cores
+  std::int64_t maxNodes = 400'000'000;  ///< refuse beyond (ResourceLimit) instead of swapping
+};
+
+/// phi on 8x8x8-node tiles, allocated only where the band needs them. Node (i,j,k) lies at
+/// origin + h (i,j,k); tile (a,b,c) holds nodes 8a..8a+7 and so on. Same input, same bits at any
+/// thread count. Off the band `phi` is absent, never guessed.
+class DistanceField {
+ public:
+  static constexpr int kTileSize = 8;
+  static constexpr int kNodesPerTile = kTileSize * kTileSize * kTileSize;
+
+  struct Tile {
+    GridIndex coordinates{};                        ///< tile coordinates
+    std::array<double, kNodesPerTile> phi{};        ///< x fastest, then y, then z; signed
+    std::array<Index, kNodesPerTile> triangle{};    ///< closest triangle, kNone beyond the border
+  };
+
+  [[nodiscard]] double spacing() const { return spacing_; }
+  [[nodiscard]] const Vec3& origin() const { return origin_; }
+  [[nodiscard]] const std::vector<Tile>& tiles() const { return tiles_; }  ///< sorted by coordinates
+
+  [[nodiscard]] Vec3 position(const GridIndex& node) const {
+    return origin_ + spacing_ * Vec3(node[0], node[1], node[2]);
+  }
+  /// Tile number that holds a node, or kNone.
+  [[nodiscard]] Index findTile(const GridIndex& tile) const;
+  /// phi at a node; empty where no tile is or where the node lies beyond an open border.
+  [[nodiscard]] std::optional<double> phi(const GridIndex& node) const;
+  /// Trilinear phi at a point; empty when one of the eight nodes is absent. Error O(h^2), O(h) at
+  /// kinks.
+  [[nodiscard]] std::optional<double> interpolate(const Vec3& x) const;
+
+ private:
+  friend class FieldBuilder;
+  double spacing_ = 0;
+  Vec3 origin_ = Vec3::Zero();
+  std::vector<Tile> tiles_;
+};
+
+/// Exact signed distance (to the mesh) on all tiles that meet the band: seeds by exact query,
+/// closest-feature carry with ring descent, sign by topology. Error: round-off.
+/// Fails with InvalidArgument (h <= 0, band empty or NaN), ResourceLimit, Cancelled.
+[[nodiscard]] Result<DistanceField> solveDistanceField(const SurfaceDistance& surface,
+                                                       const FieldOptions& options,
+                                                       const Progress& progress = {});
+
+}  // namespace phront

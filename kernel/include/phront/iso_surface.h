@@ -1,0 +1,38 @@
+// The front phi = d as a closed, labelled triangle mesh.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "phront/progress.h"
+#include "phront/status.h"
+#include "phront/surface_distance.h"
+
+namespace phront {
+
+struct IsoSurfaceOptions {
+  double level = 0;                ///< d, signed; positive lies outside material
+  std::optional<double> spacing;   ///< grid spacing h; automatic: fine enough for |d| and the box
+  int threads = 0;                 ///< 0: all cores
+};
+
+/// phi = d. Closed 2-manifold for a closed input, oriented towards larger phi for d > 0 as well as
+/// d < 0 (outward of the grown or shrunk solid). Empty (no triangles) when no point has phi = d.
+struct IsoSurface {
+  TriMesh mesh;                       ///< faceOf: index into `labels` of each triangle
+  std::vector<Feature> labels;        ///< features of the input that occur, sorted
+  std::vector<Index> labelOfPoint;    ///< label (into `labels`) of each point's foot
+  double spacing = 0;                 ///< h that was used
+  double maxResidual = 0;             ///< measured max |phi - d| over the points
+  bool refined = false;               ///< cells thinner than h were met and resolved
+};
+
+/// Extracts phi = d from tiles around the level, places points on creases where feet of different
+/// features meet, projects each point to |phi - d| <= 1e-9 diag against the mesh.
+/// Same input, same bits at any thread count.
+/// Fails with InvalidArgument, ResourceLimit, Cancelled.
+[[nodiscard]] Result<IsoSurface> isoSurface(const SurfaceDistance& surface,
+                                            const IsoSurfaceOptions& options,
+                                            const Progress& progress = {});
+
+}  // namespace phront

@@ -1,0 +1,77 @@
+// Exact signed distance to a triangle mesh: the reference for every field, front and check.
+#pragma once
+
+#include <limits>
+#include <memory>
+
+#include "phront/status.h"
+#include "phront/tri_mesh.h"
+#include "phront/types.h"
+
+namespace phront {
+
+/// Closest point of a surface to a query point x.
+struct FootPoint {
+  Vec3 point = Vec3::Zero();  ///< cp(x), on the surface
+  double distance = std::numeric_limits<double>::infinity();  ///< |x - cp(x)| >= 0
+  double sign = 1;            ///< -1 inside material, +1 outside; open shells: side of the face
+  Index triangle = kNone;     ///< triangle that holds the foot; kNone when nothing was in reach
+  Vec3 barycentric = Vec3::Zero();  ///< of the foot in that triangle
+  FeatureKind kind = FeatureKind::Face;  ///< where in the triangle the foot lies
+  Index corner = 0;  ///< kind Edge: side (corner k to k+1); kind Vertex: corner; else 0
+  bool beyondBorder = false;  ///< foot on a free edge of an open shell: phi has no sign here
+
+  [[nodiscard]] double phi() const { return sign * distance; }
+};
+
+/// Exact signed distance to a mesh by a bounding-volume hierarchy (closest point) and
+/// angle-weighted pseudonormals (sign; Baerentzen & Aanaes 2005). Immutable once built; queries are
+/// thread safe and allocate nothing. phi < 0 inside material.
+class SurfaceDistance {
+ public:
+  /// Fails with InvalidArgument on an empty mesh, NaN or infinite points or indices out of range.
+  /// Degenerate triangles are accepted (they count as segments or points).
+  [[nodiscard]] static Result<SurfaceDistance> build(TriMesh mesh);
+
+  [[nodiscard]] const TriMesh& mesh() const;
+  [[nodiscard]] const Box3& box() const;
+  [[nodiscard]] bool closed() const;  ///< no free edges
+
+  /// Closest point of the whole surface. `reach` bounds the search: beyond it triangle == kNone.
+  [[nodiscard]] FootPoint foot(const Vec3& x,
+                               double reach = std::numeric_limits<double>::infinity()) const;
+
+  /// Closest point of the triangles with the given B-Rep face only (no sign: always +1).
+  [[nodiscard]] FootPoint footOnFace(const Vec3& x, Index face,
+                                     double reach = std::numeric_limits<double>::infinity()) const;
+
+  /// foot() that starts from a triangle thought to be near the answer: same result, faster.
+  [[nodiscard]] FootPoint footFrom(const Vec3& x, Index triangle) const;
+
+  /// Closest point of one triangle (no sign: always +1).
+  [[nodiscard]] FootPoint footOnTriangle(const Vec3& x, Index triangle) const;
+
+  [[nodiscard]] double signedDistance(const Vec3& x) const { return foot(x).phi(); }
+
+  /// The feature that holds a foot: labelled vertex, labelled edge, else the face of the triangle.
+  [[nodiscard]] Feature featureOf(const FootPoint& foot) const;
+
+  /// Unit gradient of phi at x from its foot; the pseudonormal at the foot when x lies on it.
+  [[nodiscard]] Vec3 gradient(const Vec3& x, const FootPoint& foot) const;
+
+  /// Times the surface winds around x: 1 inside a closed outward-oriented mesh, 0 outside;
+  /// fractional near open borders (Jacobson et al. 2013, with a far-field expansion
+  /// after Barill et al. 2018).
+  [[nodiscard]] double windingNumber(const Vec3& x) const;
+
+  SurfaceDistance(SurfaceDistance&&) noexcept;
+  SurfaceDistance& operator=(SurfaceDistance&&) noexcept;
+  ~SurfaceDistance();
+
+ private:
+  struct Impl;
+  explicit SurfaceDistance(std::unique_ptr<const Impl> impl);
+  std::unique_ptr<const Impl> impl_;
+};
+
+}  // namespace phront
