@@ -19,6 +19,7 @@ struct ReadOptions {
   double memoryLimit = 4096;            ///< MiB of the reading process
   std::optional<double> sewTolerance;   ///< mm; automatic: 1e-5 of the diagonal
   double maxExtent = 1e7;               ///< mm; larger models are refused as nonsense
+  bool repair = true;   ///< false: take the shape as the file has it (for reading results back)
 };
 
 /// Reads a file in a child process with limits on time and memory, so that whatever OpenCASCADE does
