@@ -1,9 +1,9 @@
 // The main job: a model in, its offset out, judged.
 #pragma once
 
+#include <filesystem>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "phront/cad/check.h"
@@ -14,7 +14,7 @@
 namespace phront::cad {
 
 struct OffsetOptions {
-  double distance = 0;              ///< d, mm, signed: positive grows the solid, negative shrinks it
+  double distance = 0;  ///< d, mm, signed: positive grows the solid, negative shrinks it
   std::optional<double> tolerance;  ///< mm, bound on the deviation; default 1 % of |d|
   int threads = 0;                  ///< 0: all cores
   double exactTimeLimit = 40;       ///< s, all attempts at exact patches of one body together
@@ -27,10 +27,10 @@ struct BodyReport {
   std::string name;
   OffsetKind kind = OffsetKind::Failed;
   int inputFaces = 0;
-  int exactFaces = 0;     ///< result faces on exact offset surfaces
-  int facetedFaces = 0;   ///< planar facets that stand in for curved offset surfaces
-  int solids = 0;         ///< result solids
-  std::string setting;    ///< which attempt the judge accepted
+  int exactFaces = 0;                 ///< result faces on exact offset surfaces
+  int facetedFaces = 0;               ///< planar facets that stand in for curved offset surfaces
+  int solids = 0;                     ///< result solids
+  std::string setting;                ///< which attempt the judge accepted
   std::vector<std::string> attempts;  ///< one line each: setting, outcome, seconds
   CheckResult check;
 };
@@ -41,15 +41,15 @@ struct StageTime {
 };
 
 struct OffsetReport {
-  OffsetOptions options;              ///< as resolved
+  OffsetOptions options;  ///< as resolved
   std::vector<BodyReport> bodies;
-  CheckResult check;                  ///< of the whole result against the whole input
+  CheckResult check;  ///< of the whole result against the whole input
   std::vector<std::string> warnings;
   std::vector<StageTime> times;
 };
 
 struct OffsetResult {
-  Model model;          ///< no bodies when the offset is empty
+  Model model;  ///< no bodies when the offset is empty
   OffsetReport report;
   [[nodiscard]] bool accepted() const { return report.check.pass(); }
 };
@@ -60,5 +60,16 @@ struct OffsetResult {
 /// Fails with InvalidArgument, Failed, ResourceLimit, Cancelled.
 [[nodiscard]] Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& options,
                                                const Progress& progress = {});
+
+/// Writes the result beside `path`, reads it back as any other program would, and checks what was
+/// read; only then renames it to `path`. A result that fails (report.check then says why) goes to
+/// `path` with `keep`, else to rejectedPath(path). Nothing is written for an empty offset.
+/// Returns the path written, empty for none. Fails with CannotWrite.
+[[nodiscard]] Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
+                                                        const std::filesystem::path& path,
+                                                        bool keep);
+
+/// part.step -> part.rejected.step
+[[nodiscard]] std::filesystem::path rejectedPath(const std::filesystem::path& path);
 
 }  // namespace phront::cad

@@ -1,0 +1,189 @@
+// phront offset IN -o OUT -d D
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "cli.h"
+#include "offset_mesh.h"
+#include "phront/cad/exchange.h"
+#include "phront/cad/offset_shape.h"
+
+namespace phront::cli {
+namespace {
+
+struct OffsetArguments {
+  std::filesystem::path in;
+  std::filesystem::path out;
+  std::string distance;
+  std::string join = "arc";
+  bool parametric = false;
+  CommonOptions common;
+};
+
+const char* wordFor(cad::OffsetKind kind) {
+  switch (kind) {
+    case cad::OffsetKind::Exact:
+      return "exact";
+    case cad::OffsetKind::Faceted:
+      return "faceted";
+    case cad::OffsetKind::Empty:
+      return "empty";
+    case cad::OffsetKind::Failed:
+      break;
+  }
+  return "failed";
+}
+
+nlohmann::json jsonOf(const cad::OffsetReport& report) {
+  nlohmann::json bodies = nlohmann::json::array();
+  for (const cad::BodyReport& body : report.bodies)
+    bodies.push_back({{"name", body.name},
+                      {"kind", wordFor(body.kind)},
+                      {"input_faces", body.inputFaces},
+                      {"exact_faces", body.exactFaces},
+                      {"faceted_faces", body.facetedFaces},
+                      {"solids", body.solids},
+                      {"setting", body.setting},
+                      {"attempts", body.attempts},
+                      {"check", cli::jsonOf(body.check)}});
+  nlohmann::json times = nlohmann::json::object();
+  for (const cad::StageTime& time : report.times) times[time.stage] = time.seconds;
+  return {{"distance_mm", report.options.distance},
+          {"tolerance_mm", report.options.tolerance.value_or(0)},
+          {"bodies", bodies},
+          {"check", cli::jsonOf(report.check)},
+          {"warnings", report.warnings},
+          {"seconds", times}};
+}
+
+void say(const OffsetArguments& arguments, const std::string& sentence) {
+  if (!arguments.common.quiet) fmt::print(stderr, "{}\n", sentence);
+}
+
+void sayDetails(const OffsetArguments& arguments, const cad::OffsetReport& report) {
+  if (!arguments.common.verbose) return;
+  for (const cad::BodyReport& body : report.bodies)
+    for (const std::string& attempt : body.attempts) say(arguments, "  " + attempt);
+  for (const cad::StageTime& time : report.times)
+    say(arguments, fmt::format("  {:<16}{:8.2f} s", time.stage, time.seconds));
+}
+
+std::string summaryOf(const cad::OffsetReport& report) {
+  int exact = 0;
+  int faceted = 0;
+  for (const cad::BodyReport& body : report.bodies) {
+    exact += body.exactFaces;
+    faceted += body.facetedFaces;
+  }
+  const cad::CheckResult& check = report.check;
+  std::string text = fmt::format("{} solid(s), {} exact faces", check.solids, exact);
+  if (faceted > 0) text += fmt::format(", {} planar facets in place of curved faces", faceted);
+  const double d = std::abs(report.options.distance);
+  text += fmt::format(
+      ", volume {:.6g} mm3; measured deviation {:.3g} mm (99 % of the area, {:.2g} % of d), "
+      "largest "
+      "{:.3g} mm",
+      check.volume, check.accuracyP99, 100 * check.accuracyP99 / d, check.accuracyMax);
+  return text;
+}
+
+int finish(const OffsetArguments& arguments, const cad::Model& in, cad::OffsetResult& result) {
+  const cad::OffsetReport& report = result.report;
+  if (result.model.bodies.empty() && result.accepted()) {
+    say(arguments, "the part is thinner than 2|d| everywhere: its offset is empty");
+    sayDetails(arguments, report);
+    const Result<void> written = writeReport(jsonOf(report), arguments.common);
+    return written ? kDone : reportError(written.error());
+  }
+  if (result.model.bodies.empty()) {
+    sayDetails(arguments, report);
+    (void)writeReport(jsonOf(report), arguments.common);
+    return reportError(
+        {ErrorCode::Failed, "no offset could be made: " + report.check.reasons.front(), {}});
+  }
+  const Result<std::filesystem::path> written =
+      cad::writeOffset(in, result, arguments.out, arguments.common.keep);
+  if (!written) return reportError(written.error());
+  sayDetails(arguments, report);
+  for (const auto& step :
+       {writeReport(jsonOf(report), arguments.common),
+        drawModels(in, arguments.in.filename().string(), result.model,
+                   fmt::format("offset {:+g} mm", report.options.distance), arguments.common)}) {
+    if (!step) return reportError(step.error());
+  }
+  if (result.accepted()) {
+    say(arguments, fmt::format("{}: {}", written->string(), summaryOf(report)));
+    return kDone;
+  }
+  return reportError({ErrorCode::OutOfTolerance,
+                      fmt::format("the result does not pass its check and was written to {}: {}",
+                                  written->string(), report.check.reasons.front()),
+                      {}});
+}
+
+int runOffset(const OffsetArguments& arguments) {
+  const Result<double> distance = parseLength(arguments.distance, arguments.common.unit);
+  if (!distance) return reportError(distance.error());
+  if (*distance == 0) return reportUsage("the offset distance is 0: there is nothing to do");
+  cad::OffsetOptions options;
+  options.distance = *distance;
+  options.threads = arguments.common.threads;
+  if (!arguments.common.tolerance.empty()) {
+    const Result<double> tolerance = parseLength(arguments.common.tolerance, arguments.common.unit);
+    if (!tolerance) return reportError(tolerance.error());
+    if (!(*tolerance > 0)) return reportUsage("the tolerance must be positive");
+    options.tolerance = *tolerance;
+  }
+  if (const Result<void> ok = checkOutputPath(arguments.out, arguments.in); !ok)
+    return reportError(ok.error());
+  const bool meshOut = isMeshPath(arguments.out);
+  if (!meshOut) {
+    const Result<cad::ShapeFormat> format = cad::shapeFormatOf(arguments.out);
+    if (!format) return reportError(format.error());
+  }
+  const Progress progress = makeProgress(arguments.common);
+  if (isMeshPath(arguments.in)) {
+    if (!meshOut)
+      return reportUsage("a mesh gives a mesh: name the output .stl, .obj, .ply or .vtu");
+    return offsetMeshFile(arguments.in, arguments.out, *distance, arguments.parametric,
+                          options.tolerance, arguments.common);
+  }
+  const Result<cad::Model> model = cad::readModel(arguments.in);
+  if (!model) return reportError(model.error());
+  for (const std::string& warning : model->warnings) say(arguments, "warning: " + warning);
+  if (meshOut)
+    return offsetModelToMesh(*model, arguments.in, arguments.out, *distance, arguments.parametric,
+                             options.tolerance, arguments.common);
+  if (arguments.parametric)
+    return reportUsage("--parametric moves mesh nodes: name a mesh output (.stl .obj .ply .vtu)");
+  Result<cad::OffsetResult> result = cad::offsetModel(*model, options, progress);
+  endProgress(arguments.common);
+  if (!result) return reportError(result.error());
+  if (interrupted()) return kInterrupted;
+  return finish(arguments, *model, *result);
+}
+
+}  // namespace
+
+void addOffsetCommand(CLI::App& app, int& exitCode) {
+  CLI::App* command = app.add_subcommand(
+      "offset", "Offset a part (STEP IGES BREP) or a mesh (STL OBJ PLY) by a signed distance");
+  auto arguments = std::make_shared<OffsetArguments>();
+  command->add_option("IN", arguments->in, "Input file")->required();
+  command->add_option("-o,--output", arguments->out, "Output file; its extension names the format")
+      ->required();
+  command
+      ->add_option("-d,--distance", arguments->distance,
+                   "Distance: positive grows the solid, negative shrinks it")
+      ->required();
+  command->add_option("--join", arguments->join, "Convex edges: arc (rounded, true distance)")
+      ->check(CLI::IsMember({"arc"}));
+  command->add_flag("--parametric", arguments->parametric,
+                    "Mesh output: move the input's own nodes, keep connectivity and order");
+  addCommonOptions(*command, arguments->common);
+  command->callback([arguments, &exitCode] { exitCode = runOffset(*arguments); });
+}
+
+}  // namespace phront::cli

@@ -1,0 +1,150 @@
+#include "phront/cad/offset_shape.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <system_error>
+
+#include "phront/cad/exchange.h"
+#include "rebuild/body_offset.h"
+
+namespace phront::cad {
+namespace {
+
+// Reading back repeats the whole measurement on the file's own geometry with fewer samples: what
+// can differ from memory is what the format lost, and that shows everywhere.
+constexpr int kReadBackSamples = 6000;
+
+Result<OffsetOptions> resolve(const Model& model, OffsetOptions options) {
+  if (!std::isfinite(options.distance) || options.distance == 0)
+    return fail(ErrorCode::InvalidArgument,
+                "the offset distance must be a finite number other than 0; give -d in mm or with a "
+                "unit, for example -d 2 or -d -0.1in");
+  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance)))
+    return fail(ErrorCode::InvalidArgument, "the tolerance must be a positive length");
+  if (model.bodies.empty())
+    return fail(ErrorCode::InvalidArgument, "the model holds no body to offset");
+  if (!options.tolerance) options.tolerance = 0.01 * std::abs(options.distance);
+  return options;
+}
+
+void addTimes(std::vector<StageTime>& sum, const std::vector<StageTime>& times) {
+  for (const StageTime& time : times) {
+    const auto same = std::find_if(sum.begin(), sum.end(),
+                                   [&](const StageTime& s) { return s.stage == time.stage; });
+    if (same == sum.end())
+      sum.push_back(time);
+    else
+      same->seconds += time.seconds;
+  }
+}
+
+// The check of the whole: of the only body, or of all together (bodies may come to overlap).
+CheckResult checkWhole(const Model& in, const OffsetResult& result) {
+  const OffsetReport& report = result.report;
+  if (report.bodies.size() == 1) return report.bodies.front().check;
+  for (std::size_t i = 0; i < report.bodies.size(); ++i) {
+    if (report.bodies[i].kind != OffsetKind::Failed) continue;
+    CheckResult failed = report.bodies[i].check;
+    failed.reasons.insert(
+        failed.reasons.begin(),
+        fmt::format("body {} of {} has no offset that passes", i + 1, report.bodies.size()));
+    return failed;
+  }
+  CheckOptions options;
+  options.distance = report.options.distance;
+  options.tolerance = report.options.tolerance;
+  const Result<CheckResult> check = checkOffset(in, result.model, options);
+  if (!check) {
+    CheckResult failed;
+    failed.reasons.push_back(check.error().message);
+    return failed;
+  }
+  CheckResult whole = *check;
+  if (!whole.pass())
+    whole.reasons.insert(whole.reasons.begin(),
+                         "each body's own offset is right, but together they are not the offset of "
+                         "the whole: bodies touch or come nearer than the distance");
+  return whole;
+}
+
+}  // namespace
+
+Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& requested,
+                                 const Progress& progress) {
+  const Result<OffsetOptions> options = resolve(model, requested);
+  if (!options) return tl::unexpected(options.error());
+  OffsetResult result;
+  OffsetReport& report = result.report;
+  report.options = *options;
+  report.warnings = model.warnings;
+  const double count = static_cast<double>(model.bodies.size());
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
+    const Progress part = progress.part(0.95 * static_cast<double>(i) / count,
+                                        0.95 * static_cast<double>(i + 1) / count);
+    OffsetOptions bodyOptions = *options;
+    // A long assembly must end too: the time for exact patches is shared out, not multiplied.
+    bodyOptions.exactTimeLimit = std::max(options->exactTimeLimit / count, 4.0);
+    Result<BodyOffset> offset = offsetBody(model.bodies[i], bodyOptions, part);
+    if (!offset) return tl::unexpected(offset.error());
+    for (Body& body : offset->bodies) result.model.bodies.push_back(std::move(body));
+    addTimes(report.times, offset->times);
+    report.bodies.push_back(std::move(offset->report));
+  }
+  if (!progress.part(0.95, 1, "check").report(0))
+    return fail(ErrorCode::Cancelled, "the offset was cancelled");
+  const auto start = std::chrono::steady_clock::now();
+  report.check = checkWhole(model, result);
+  addTimes(
+      report.times,
+      {{"check", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()}});
+  return result;
+}
+
+std::filesystem::path rejectedPath(const std::filesystem::path& path) {
+  std::filesystem::path rejected = path;
+  rejected.replace_extension(".rejected" + path.extension().string());
+  return rejected;
+}
+
+Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
+                                          const std::filesystem::path& path, bool keep) {
+  if (result.model.bodies.empty()) return std::filesystem::path();
+  std::filesystem::path aside = path;
+  aside.replace_extension(".unchecked" + path.extension().string());
+  if (Result<void> written = writeModel(result.model, aside); !written)
+    return tl::unexpected(written.error());
+
+  CheckResult& check = result.report.check;
+  if (check.pass()) {
+    ReadOptions asWritten;
+    asWritten.repair = false;
+    const Result<Model> back = readModel(aside, asWritten);
+    if (!back) {
+      check.reasons.push_back("the written file cannot be read back: " + back.error().message);
+    } else {
+      CheckOptions options;
+      options.distance = result.report.options.distance;
+      options.tolerance = result.report.options.tolerance;
+      options.samples = kReadBackSamples;
+      const Result<CheckResult> again = checkOffset(in, *back, options);
+      if (!again)
+        check.reasons.push_back("the written file cannot be checked: " + again.error().message);
+      else
+        for (const std::string& reason : again->reasons)
+          check.reasons.push_back("read back from the file: " + reason);
+    }
+  }
+  const std::filesystem::path target = check.pass() || keep ? path : rejectedPath(path);
+  std::error_code error;
+  std::filesystem::rename(aside, target, error);
+  if (error) {
+    std::filesystem::remove(aside, error);
+    return fail(ErrorCode::CannotWrite, fmt::format("cannot rename to {}", target.string()));
+  }
+  return target;
+}
+
+}  // namespace phront::cad

@@ -1,0 +1,181 @@
+// A legitimate engine by trial: no single setting of General Fuse serves all parts, uniform
+// settings are not even monotone, so several are tried and each result is judged; the first that
+// passes wins. Every trial runs in a child of its own, since General Fuse crashes, loops and eats
+// memory.
+//
+// Two checks decide. checkOffset measures validity, deviation and coverage. The volume enclosed by
+// the iso-surface is the second witness: a self-overlapping solid can be valid, closed and
+// everywhere at distance d.
+
+#include "rebuild/attempt_runner.h"
+
+#include <fmt/format.h>
+
+#include <BRep_Builder.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS_Compound.hxx>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "exchange/guard.h"
+#include "exchange/shape_bytes.h"
+#include "phront/cad/shape_occt.h"
+
+namespace phront::cad {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr double kAttemptMemoryMiB = 3000;
+
+double secondsSince(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+struct Trial {
+  std::string line;
+  std::optional<AcceptedAttempt> accepted;
+};
+
+// Bytes across the process border: 8 bytes of header length, JSON header, shape.
+std::string packAttempt(const AttemptResult& attempt) {
+  const nlohmann::json header = {{"raw", attempt.rawFaces},   {"split", attempt.splitFaces},
+                                 {"kept", attempt.keptFaces}, {"open", attempt.openEdges},
+                                 {"notes", attempt.notes},    {"empty", attempt.shape.IsNull()}};
+  const std::string text = header.dump();
+  std::string bytes = fmt::format("{:08d}", text.size()) + text;
+  if (!attempt.shape.IsNull()) bytes += bytesOfShape(attempt.shape);
+  return bytes;
+}
+
+Result<AttemptResult> unpackAttempt(const std::string& bytes) {
+  const std::size_t headerSize = std::stoul(bytes.substr(0, 8));
+  const auto header = nlohmann::json::parse(bytes.substr(8, headerSize));
+  AttemptResult attempt;
+  attempt.rawFaces = header["raw"];
+  attempt.splitFaces = header["split"];
+  attempt.keptFaces = header["kept"];
+  attempt.openEdges = header["open"];
+  attempt.notes = header["notes"].get<std::vector<std::string>>();
+  if (!header["empty"].get<bool>()) {
+    Result<TopoDS_Shape> shape = shapeOfBytes(std::string_view(bytes).substr(8 + headerSize));
+    if (!shape) return tl::unexpected(shape.error());
+    attempt.shape = *shape;
+  }
+  return attempt;
+}
+
+// The grid of the reference loses slivers thinner than itself and rounds creases by O(h^2) in their
+// section; both are far below this share of the skin of thickness |d|.
+bool volumeAgrees(double volume, const FrontReference& reference, double distance) {
+  const double allowed = 0.01 * reference.volume +
+                         0.05 * reference.area * std::min(std::abs(distance), reference.spacing);
+  return std::abs(volume - reference.volume) <= allowed;
+}
+
+Trial runTrial(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
+               const std::optional<FrontReference>& reference, const AttemptSetting& setting) {
+  const Clock::time_point start = Clock::now();
+  Trial trial;
+  const auto say = [&](const std::string& outcome) {
+    trial.line = fmt::format("{}: {} ({:.1f} s)", setting.name, outcome, secondsSince(start));
+  };
+  const bool solid = body.kind == BodyKind::Solid;
+  const Result<std::string> bytes =
+      runInChild("offset by exact patches", {setting.timeLimit, kAttemptMemoryMiB},
+                 [&]() -> Result<std::string> {
+                   Result<AttemptResult> attempt =
+                       tryExactOffset(occtShape(body.shape), solid, options.distance, phi, setting);
+                   if (!attempt) return tl::unexpected(attempt.error());
+                   return packAttempt(*attempt);
+                 });
+  if (!bytes) {
+    say(bytes.error().message);
+    return trial;
+  }
+  const Result<AttemptResult> attempt = unpackAttempt(*bytes);
+  if (!attempt) {
+    say(attempt.error().message);
+    return trial;
+  }
+  const std::string counts =
+      fmt::format("{} raw faces, {} pieces, {} kept, {} open edges", attempt->rawFaces,
+                  attempt->splitFaces, attempt->keptFaces, attempt->openEdges);
+  if (attempt->shape.IsNull()) {
+    say("nothing left; " + counts);
+    return trial;
+  }
+  AcceptedAttempt accepted;
+  accepted.bodies = bodiesOf(attempt->shape, body.kind, body.name);
+  accepted.setting = setting.name;
+  Model in;
+  in.bodies.push_back(body);
+  Model out;
+  out.bodies = accepted.bodies;
+  CheckOptions checkOptions;
+  checkOptions.distance = options.distance;
+  checkOptions.tolerance = options.tolerance;
+  const Result<CheckResult> check = checkOffset(in, out, checkOptions);
+  if (!check) {
+    say(check.error().message + "; " + counts);
+  } else if (!check->pass()) {
+    say("rejected: " + check->reasons.front() + "; " + counts);
+  } else if (reference && !volumeAgrees(check->volume, *reference, options.distance)) {
+    say(fmt::format("rejected: volume {:.6g} mm3, the front encloses {:.6g} mm3; {}", check->volume,
+                    reference->volume, counts));
+  } else {
+    say("accepted; " + counts);
+    accepted.check = *check;
+    trial.accepted = std::move(accepted);
+  }
+  return trial;
+}
+
+}  // namespace
+
+std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::string& name) {
+  std::vector<Body> bodies;
+  const TopAbs_ShapeEnum type = kind == BodyKind::Solid ? TopAbs_SOLID : TopAbs_SHELL;
+  for (TopExp_Explorer part(shape, type); part.More(); part.Next())
+    bodies.push_back({makeShape(part.Current()), kind, name, {}});
+  if (kind == BodyKind::Sheet) {
+    for (TopExp_Explorer face(shape, TopAbs_FACE, TopAbs_SHELL); face.More(); face.Next())
+      bodies.push_back({makeShape(face.Current()), kind, name, {}});
+  }
+  return bodies;
+}
+
+AttemptLog runAttempts(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
+                       const std::optional<FrontReference>& reference, const Progress& progress) {
+  const Clock::time_point start = Clock::now();
+  const std::vector<AttemptSetting> settings = attemptSettings();
+  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+  const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
+  const std::size_t wave = threads >= 2 ? 2 : 1;
+  AttemptLog log;
+  for (std::size_t first = 0; first < settings.size() && !log.accepted; first += wave) {
+    const double left = options.exactTimeLimit - secondsSince(start);
+    if (left < 1 || !progress.report(static_cast<double>(first) / settings.size())) break;
+    const std::size_t count = std::min(wave, settings.size() - first);
+    std::vector<Trial> trials(count);
+    std::vector<std::thread> runners;  // they only wait for their child process
+    for (std::size_t i = 0; i < count; ++i) {
+      runners.emplace_back([&, i] {
+        AttemptSetting setting = settings[first + i];
+        setting.timeLimit = std::min(setting.timeLimit, left);
+        trials[i] = runTrial(body, options, phi, reference, setting);
+      });
+    }
+    for (std::thread& runner : runners) runner.join();
+    for (Trial& trial : trials) {
+      log.lines.push_back(trial.line);
+      if (trial.accepted && !log.accepted) log.accepted = std::move(trial.accepted);
+    }
+  }
+  return log;
+}
+
+}  // namespace phront::cad

@@ -1,0 +1,195 @@
+#include "rebuild/body_offset.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+
+#include "phront/cad/shape_occt.h"
+#include "phront/cad/tessellate.h"
+#include "phront/facet.h"
+#include "phront/iso_surface.h"
+#include "rebuild/attempt_runner.h"
+#include "rebuild/facet_solid.h"
+#include "rebuild/true_distance.h"
+
+namespace phront::cad {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Triangles follow the faces to this share of |d|: far below the 1 % that a result may deviate, and
+// what is left disappears where feet are refined on the true surface.
+constexpr double kDeflectionOfDistance = 0.002;
+// ... but not finer than this share of the diagonal: tiny distances on large parts.
+constexpr double kFinestDeflection = 4e-6;
+// ... and not coarser: large distances still need the shape.
+constexpr double kCoarsestDeflection = 3e-4;
+// Deviation at which facets are chosen, as a share of the tolerance. The tolerance bounds a 99th
+// percentile; this bounds the bulk.
+constexpr double kFacetShareOfTolerance = 0.35;
+
+class StageClock {
+ public:
+  explicit StageClock(std::vector<StageTime>& times) : times_(times), start_(Clock::now()) {}
+  void lap(const std::string& stage) {
+    const Clock::time_point now = Clock::now();
+    times_.push_back({stage, std::chrono::duration<double>(now - start_).count()});
+    start_ = now;
+  }
+
+ private:
+  std::vector<StageTime>& times_;
+  Clock::time_point start_;
+};
+
+double deflectionFor(double distance, double diagonal) {
+  return std::clamp(kDeflectionOfDistance * std::abs(distance), kFinestDeflection * diagonal,
+                    kCoarsestDeflection * diagonal);
+}
+
+Result<TrueDistance> prepareDistance(const Body& body, double distance) {
+  TessellateOptions tessellation;
+  tessellation.distance = std::abs(distance);
+  tessellation.deflection = deflectionFor(distance, boundingBox(body.shape).diagonal().norm());
+  tessellation.smoothTolerance = tessellation.deflection;
+  Result<Tessellation> mesh = tessellate(body, tessellation);
+  if (!mesh) return tl::unexpected(mesh.error());
+  return TrueDistance::build(occtShape(body.shape), std::move(*mesh));
+}
+
+std::vector<std::optional<Plane>> planesOf(const FeatureTable& features) {
+  std::vector<std::optional<Plane>> planes;
+  for (const FaceFeature& face : features.faces) planes.push_back(face.plane);
+  return planes;
+}
+
+CheckResult failedCheck(std::string reason) {
+  CheckResult check;
+  check.reasons.push_back(std::move(reason));
+  return check;
+}
+
+Result<CheckResult> checkBody(const Body& body, const std::vector<Body>& result,
+                              const OffsetOptions& options) {
+  Model in;
+  in.bodies.push_back(body);
+  Model out;
+  out.bodies = result;
+  CheckOptions check;
+  check.distance = options.distance;
+  check.tolerance = options.tolerance;
+  return checkOffset(in, out, check);
+}
+
+int curvedFacets(const FacetedSurface& facets, const FeatureTable& features) {
+  int count = 0;
+  for (const FacetPolygon& polygon : facets.polygons) {
+    const bool planar = polygon.feature.kind == FeatureKind::Face &&
+                        features.faces[static_cast<std::size_t>(polygon.feature.id)].plane;
+    if (!planar) ++count;
+  }
+  return count;
+}
+
+// The iso-surface itself becomes the solid.
+void useFacets(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
+               const IsoSurface& front, BodyOffset& result, const Progress& progress) {
+  BodyReport& report = result.report;
+  FacetOptions facetOptions;
+  facetOptions.tolerance = kFacetShareOfTolerance * *options.tolerance;
+  facetOptions.planeOfFace = planesOf(phi.tessellation().features);
+  facetOptions.threads = options.threads;
+  const Result<FacetedSurface> facets =
+      facetIsoSurface(phi.surface(), front, options.distance, facetOptions, progress);
+  if (!facets) {
+    report.check = failedCheck(facets.error().message);
+    return;
+  }
+  const Result<TopoDS_Shape> solid = solidOfFacets(*facets);
+  if (!solid) {
+    report.check = failedCheck(solid.error().message);
+    return;
+  }
+  result.bodies = bodiesOf(*solid, BodyKind::Solid, body.name);
+  report.facetedFaces = curvedFacets(*facets, phi.tessellation().features);
+  report.exactFaces = static_cast<int>(facets->polygons.size()) - report.facetedFaces;
+  report.setting = "facets of the iso-surface";
+  const Result<CheckResult> check = checkBody(body, result.bodies, options);
+  report.check = check ? *check : failedCheck(check.error().message);
+  report.kind = report.check.pass() ? OffsetKind::Faceted : OffsetKind::Failed;
+}
+
+}  // namespace
+
+Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
+                              const Progress& progress) {
+  BodyOffset result;
+  BodyReport& report = result.report;
+  StageClock clock(result.times);
+  report.name = body.name;
+  report.inputFaces = faceCount(body.shape);
+
+  if (!progress.part(0, 0.1, "tessellate").report(0))
+    return fail(ErrorCode::Cancelled, "the offset was cancelled");
+  Result<TrueDistance> phi = prepareDistance(body, options.distance);
+  if (!phi) return tl::unexpected(phi.error());
+  clock.lap("tessellate");
+
+  const bool solid = body.kind == BodyKind::Solid;
+  std::optional<IsoSurface> front;
+  std::optional<FrontReference> reference;
+  if (solid && phi->surface().closed()) {
+    IsoSurfaceOptions isoOptions;
+    isoOptions.level = options.distance;
+    isoOptions.threads = options.threads;
+    Result<IsoSurface> iso =
+        isoSurface(phi->surface(), isoOptions, progress.part(0.1, 0.3, "front"));
+    if (!iso && iso.error().code == ErrorCode::Cancelled) return tl::unexpected(iso.error());
+    if (iso) {
+      front = std::move(*iso);
+      reference = {signedVolume(front->mesh), area(front->mesh), front->spacing};
+    } else {
+      report.attempts.push_back("front: " + iso.error().message);
+    }
+    clock.lap("front");
+  }
+
+  if (front && front->mesh.triangles.empty()) {
+    const Result<CheckResult> check = checkBody(body, {}, options);
+    clock.lap("check");
+    if (check && check->pass()) {
+      report.kind = OffsetKind::Empty;
+      report.check = *check;
+      return result;
+    }
+    // A rest thinner than the grid: the exact way may still find it.
+    front.reset();
+    reference.reset();
+  }
+
+  AttemptLog log =
+      runAttempts(body, options, *phi, reference, progress.part(0.3, 0.8, "exact patches"));
+  clock.lap("exact patches");
+  report.attempts.insert(report.attempts.end(), log.lines.begin(), log.lines.end());
+  if (log.accepted) {
+    result.bodies = std::move(log.accepted->bodies);
+    report.kind = OffsetKind::Exact;
+    report.setting = log.accepted->setting;
+    report.check = log.accepted->check;
+    report.exactFaces = report.check.faces;
+  } else if (front) {
+    if (!progress.part(0.8, 1, "facets").report(0))
+      return fail(ErrorCode::Cancelled, "the offset was cancelled");
+    useFacets(body, options, *phi, *front, result, progress.part(0.8, 1, "facets"));
+    clock.lap("facets");
+  } else {
+    report.check = failedCheck(report.attempts.empty() ? "no way gave a result"
+                                                       : "no attempt gave a result that passes: " +
+                                                             report.attempts.back());
+  }
+  report.solids = report.check.solids;
+  return result;
+}
+
+}  // namespace phront::cad
