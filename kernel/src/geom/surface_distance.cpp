@@ -1,0 +1,425 @@
+// Exact closest point and sign of a triangle mesh.
+//
+// Distance: best-first walk of a bounding-volume hierarchy with an exact point-triangle distance in
+// double. The answer is the least (squared distance, triangle id) over all triangles, whatever the
+// order of the walk: boxes never claim more than their content (see Bvh::squaredDistance), and both
+// triangles on an edge compute its foot with the same bits. Hence a warm start changes the cost of
+// a query and nothing else. Sign: angle-weighted pseudonormal of the face, edge or vertex that
+// holds the foot (Baerentzen & Aanaes, "Signed distance computation using the angle weighted
+// pseudonormal", 2005). Weak spots: their proof needs an embedded 2-manifold. Where a closed mesh
+// is not one (edges of more than two triangles, points with several fans, zero-area triangles,
+// triangles folded back onto their neighbour) the sign is asked of the winding number instead. A
+// mesh that intersects itself elsewhere, or is oriented inconsistently, has no sign; diagnose()
+// tells.
+#include "phront/surface_distance.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "geom/bvh.h"
+#include "geom/closest_on_triangle.h"
+#include "geom/mesh_topology.h"
+#include "geom/winding_number.h"
+
+namespace phront {
+
+namespace {
+
+// Across a side lies another triangle's side, nothing (free), or several triangles.
+constexpr Index kFree = -1;
+constexpr Index kSeveral = -2;
+
+// Cosine between the normals of neighbours above which (negated) one is folded back onto the other:
+// 0.0014 rad short of a full fold, sharper than the trailing edge of a blade.
+constexpr double kFolded = 1 - 1e-6;
+
+// Sine of the angle by which a query must lean over a free edge to be beyond it. Points advected
+// straight off the border lean by rounding only (1e-16 times coordinate over distance).
+constexpr double kBorderLean = 1e-9;
+
+// Feet are rounded to a few ulps of the coordinates: less distance than that is none.
+constexpr double kOnSurfaceUlps = 4;
+
+// Untrusted elements of a triangle, as bits of one byte: its face, its sides, its corners.
+constexpr std::uint8_t kFaceBit = 1;
+constexpr std::uint8_t sideBit(std::size_t k) { return static_cast<std::uint8_t>(2U << k); }
+constexpr std::uint8_t cornerBit(std::size_t k) { return static_cast<std::uint8_t>(16U << k); }
+
+std::size_t size(Index i) { return static_cast<std::size_t>(i); }
+
+double cornerAngle(const QueryTriangle& t, std::size_t k) {
+  const Vec3 u = t.corners[(k + 1) % 3] - t.corners[k];
+  const Vec3 v = t.corners[(k + 2) % 3] - t.corners[k];
+  return std::atan2(u.cross(v).norm(), u.dot(v));
+}
+
+Result<void> checkInput(const TriMesh& mesh) {
+  if (mesh.points.empty() || mesh.triangles.empty()) {
+    return fail(ErrorCode::InvalidArgument,
+                "The surface is empty: distances need at least one triangle.");
+  }
+  for (std::size_t i = 0; i < mesh.points.size(); ++i) {
+    if (!mesh.points[i].allFinite()) {
+      return fail(ErrorCode::InvalidArgument,
+                  fmt::format("Point {} of the surface is not finite; repair the mesh first.", i),
+                  fmt::format("point {}", i));
+    }
+  }
+  const auto count = static_cast<Index>(mesh.points.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const Index p : mesh.triangles[t]) {
+      if (p >= 0 && p < count) continue;
+      return fail(ErrorCode::InvalidArgument,
+                  fmt::format("Triangle {} names point {}, but there are {} points.", t, p, count),
+                  fmt::format("triangle {}", t));
+    }
+  }
+  const bool labelsFit = (mesh.faceOf.empty() || mesh.faceOf.size() == mesh.triangles.size()) &&
+                         (mesh.edgeOf.empty() || mesh.edgeOf.size() == 3 * mesh.triangles.size()) &&
+                         (mesh.vertexOf.empty() || mesh.vertexOf.size() == mesh.points.size());
+  if (!labelsFit) {
+    return fail(ErrorCode::InvalidArgument,
+                "The labels of the surface do not fit its size: faceOf needs one per triangle, "
+                "edgeOf three per triangle, vertexOf one per point.");
+  }
+  return {};
+}
+
+FootPoint toFootPoint(const TriangleFoot& foot, Index triangle, double onSurface) {
+  FootPoint result;
+  result.point = foot.point;
+  result.distance = std::sqrt(foot.squared);
+  if (result.distance <= onSurface) result.distance = 0;
+  result.triangle = triangle;
+  result.barycentric = foot.barycentric;
+  result.kind = foot.kind;
+  result.corner = foot.corner;
+  return result;
+}
+
+}  // namespace
+
+struct SurfaceDistance::Impl {
+  TriMesh mesh;
+  Box3 box;
+  bool closed = true;
+  double onSurface = 0;
+
+  Bvh bvh;
+  std::vector<QueryTriangle> leaves;  // in the order of the tree
+  std::vector<Index> leafOf;          // triangle id -> position in leaves
+  WindingTree winding;
+
+  std::vector<Index> faceIds;  // sorted
+  std::vector<Bvh> faceTrees;  // one per face id; empty when there is one face only
+
+  std::vector<Index> across;  // per side: the other triangle's side, kFree or kSeveral
+  PointRings rings;
+  std::vector<Vec3> pointNormals;
+  std::vector<std::uint8_t> untrusted;
+
+  explicit Impl(TriMesh input);
+  void buildTrees();
+  void buildTopology(const MeshEdges& edges);
+  void buildTrust(const MeshEdges& edges);
+
+  const QueryTriangle& triangle(Index id) const { return leaves[size(leafOf[size(id)])]; }
+
+  struct Best {
+    double squared = std::numeric_limits<double>::infinity();
+    Index id = std::numeric_limits<Index>::max();  // nothing yet: loses every tie
+    TriangleFoot foot;
+    bool found() const { return id != std::numeric_limits<Index>::max(); }
+    void offer(const QueryTriangle& t, const Vec3& x) {
+      const TriangleFoot f = closestOnTriangle(t, x);
+      if (f.squared < squared || (f.squared == squared && t.id < id)) {
+        squared = f.squared;
+        id = t.id;
+        foot = f;
+      }
+    }
+  };
+  void descend(Best& best, const Vec3& x) const;
+  FootPoint finish(const Best& best, const Vec3& x) const;
+  Vec3 pseudonormal(const FootPoint& foot) const;
+  double signAt(const Vec3& x, const FootPoint& foot) const;
+  bool leansOver(const Vec3& gap, Index side) const;
+  bool beyond(const Vec3& x, const FootPoint& foot) const;
+  double windingNumber(const Vec3& x) const { return winding.at(x, bvh, leaves); }
+};
+
+SurfaceDistance::Impl::Impl(TriMesh input) : mesh(std::move(input)), box(boundingBox(mesh)) {
+  const double largest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+  onSurface = kOnSurfaceUlps * std::numeric_limits<double>::epsilon() * largest;
+  buildTrees();
+  const MeshEdges edges = meshEdges(mesh);
+  buildTopology(edges);
+  buildTrust(edges);
+}
+
+void SurfaceDistance::Impl::buildTrees() {
+  const std::size_t count = mesh.triangles.size();
+  std::vector<Box3> boxes(count);
+  std::vector<Index> all(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    for (const Index p : mesh.triangles[t]) boxes[t].extend(mesh.points[size(p)]);
+    all[t] = static_cast<Index>(t);
+  }
+  bvh = Bvh(boxes, all);
+  leaves.resize(count);
+  leafOf.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Index id = bvh.order()[i];
+    const auto& points = mesh.triangles[size(id)];
+    leaves[i] = makeQueryTriangle(
+        {mesh.points[size(points[0])], mesh.points[size(points[1])], mesh.points[size(points[2])]},
+        points, id);
+    leafOf[size(id)] = static_cast<Index>(i);
+  }
+  winding = WindingTree(bvh, leaves);
+
+  for (std::size_t t = 0; t < count; ++t) faceIds.push_back(mesh.face(static_cast<Index>(t)));
+  std::sort(faceIds.begin(), faceIds.end());
+  faceIds.erase(std::unique(faceIds.begin(), faceIds.end()), faceIds.end());
+  if (faceIds.size() == 1) return;
+  std::vector<std::vector<Index>> members(faceIds.size());
+  for (const Index t : all) {
+    const auto at = std::lower_bound(faceIds.begin(), faceIds.end(), mesh.face(t));
+    members[static_cast<std::size_t>(at - faceIds.begin())].push_back(t);
+  }
+  for (auto& list : members) faceTrees.emplace_back(boxes, std::move(list));
+}
+
+void SurfaceDistance::Impl::buildTopology(const MeshEdges& edges) {
+  across.assign(3 * mesh.triangles.size(), kFree);
+  for (const MeshEdge& edge : edges.edges) {
+    const auto sides = edges.sidesOf(edge);
+    if (sides.size() == 1) closed = false;
+    if (sides.size() == 2) {
+      across[size(sides[0])] = sides[1];
+      across[size(sides[1])] = sides[0];
+    }
+    if (sides.size() > 2) {
+      for (const Index side : sides) across[size(side)] = kSeveral;
+    }
+  }
+  rings = pointRings(mesh);
+  pointNormals.assign(mesh.points.size(), Vec3::Zero());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const QueryTriangle& q = triangle(static_cast<Index>(t));
+    for (std::size_t k = 0; k < 3; ++k) {
+      pointNormals[size(mesh.triangles[t][k])] += cornerAngle(q, k) * q.normal;
+    }
+  }
+  for (Vec3& n : pointNormals) {
+    const double length = n.norm();
+    if (length > 0) n /= length;
+  }
+}
+
+void SurfaceDistance::Impl::buildTrust(const MeshEdges& edges) {
+  const std::size_t count = mesh.triangles.size();
+  std::vector<bool> bad(count, false);
+  for (std::size_t t = 0; t < count; ++t) {
+    const Vec3& normal = triangle(static_cast<Index>(t)).normal;
+    bad[t] = normal.isZero(0);
+    for (std::size_t k = 0; k < 3 && !bad[t]; ++k) {
+      const Index other = across[3 * t + k];
+      bad[t] = other >= 0 && normal.dot(triangle(other / 3).normal) < -kFolded;
+    }
+  }
+  std::vector<bool> badPoint = splitPoints(mesh, edges);
+  for (std::size_t t = 0; t < count; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!bad[t] && across[3 * t + k] != kSeveral) continue;
+      badPoint[size(mesh.triangles[t][k])] = true;
+      badPoint[size(mesh.triangles[t][(k + 1) % 3])] = true;
+    }
+  }
+  untrusted.assign(count, 0);
+  for (std::size_t t = 0; t < count; ++t) {
+    if (bad[t]) untrusted[t] |= kFaceBit;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Index other = across[3 * t + k];
+      if (bad[t] || other == kSeveral || (other >= 0 && bad[size(other / 3)])) {
+        untrusted[t] |= sideBit(k);
+      }
+      if (badPoint[size(mesh.triangles[t][k])]) untrusted[t] |= cornerBit(k);
+    }
+  }
+}
+
+// Walks over the rings of the best triangle's corners while that brings it nearer.
+void SurfaceDistance::Impl::descend(Best& best, const Vec3& x) const {
+  Index seen = kNone;
+  while (best.found() && best.id != seen) {
+    seen = best.id;
+    for (const Index point : mesh.triangles[size(seen)]) {
+      for (const Index t : rings.of(point)) best.offer(triangle(t), x);
+    }
+  }
+}
+
+Vec3 SurfaceDistance::Impl::pseudonormal(const FootPoint& foot) const {
+  const auto k = size(foot.corner);
+  if (foot.kind == FeatureKind::Vertex) {
+    return pointNormals[size(mesh.triangles[size(foot.triangle)][k])];
+  }
+  Vec3 normal = triangle(foot.triangle).normal;
+  if (foot.kind == FeatureKind::Edge) {
+    const Index other = across[3 * size(foot.triangle) + k];
+    if (other >= 0) normal += triangle(other / 3).normal;
+    const double length = normal.norm();
+    if (length > 0) normal /= length;
+  }
+  return normal;
+}
+
+double SurfaceDistance::Impl::signAt(const Vec3& x, const FootPoint& foot) const {
+  if (foot.distance == 0) return 1;
+  const auto k = size(foot.corner);
+  const std::uint8_t bit = foot.kind == FeatureKind::Face   ? kFaceBit
+                           : foot.kind == FeatureKind::Edge ? sideBit(k)
+                                                            : cornerBit(k);
+  if (closed && (untrusted[size(foot.triangle)] & bit) != 0) {
+    return windingNumber(x) > 0.5 ? -1 : 1;
+  }
+  return (x - foot.point).dot(pseudonormal(foot)) < 0 ? -1 : 1;
+}
+
+// Does the gap (query minus foot) lean outwards over a free side, within the triangle's plane?
+bool SurfaceDistance::Impl::leansOver(const Vec3& gap, Index side) const {
+  const QueryTriangle& t = triangle(side / 3);
+  const auto k = size(side % 3);
+  const Vec3 along = t.corners[(k + 1) % 3] - t.corners[k];
+  const Vec3 outward = along.cross(t.normal);
+  return gap.dot(outward) > kBorderLean * gap.norm() * outward.norm();
+}
+
+bool SurfaceDistance::Impl::beyond(const Vec3& x, const FootPoint& foot) const {
+  if (closed || foot.kind == FeatureKind::Face || foot.distance == 0) return false;
+  const Vec3 gap = x - foot.point;
+  if (foot.kind == FeatureKind::Edge) {
+    const Index side = 3 * foot.triangle + foot.corner;
+    return across[size(side)] == kFree && leansOver(gap, side);
+  }
+  const Index point = mesh.triangles[size(foot.triangle)][size(foot.corner)];
+  for (const Index t : rings.of(point)) {
+    for (Index k = 0; k < 3; ++k) {
+      const Index side = 3 * t + k;
+      const bool touches = sideStart(mesh, side) == point || sideEnd(mesh, side) == point;
+      if (touches && across[size(side)] == kFree && leansOver(gap, side)) return true;
+    }
+  }
+  return false;
+}
+
+FootPoint SurfaceDistance::Impl::finish(const Best& best, const Vec3& x) const {
+  if (!best.found()) return {};
+  FootPoint foot = toFootPoint(best.foot, best.id, onSurface);
+  foot.sign = signAt(x, foot);
+  foot.beyondBorder = beyond(x, foot);
+  return foot;
+}
+
+Result<SurfaceDistance> SurfaceDistance::build(TriMesh mesh) {
+  if (auto ok = checkInput(mesh); !ok) return tl::unexpected(ok.error());
+  return SurfaceDistance(std::make_unique<const Impl>(std::move(mesh)));
+}
+
+const TriMesh& SurfaceDistance::mesh() const { return impl_->mesh; }
+const Box3& SurfaceDistance::box() const { return impl_->box; }
+bool SurfaceDistance::closed() const { return impl_->closed; }
+
+FootPoint SurfaceDistance::foot(const Vec3& x, double reach) const {
+  const Impl& s = *impl_;
+  Impl::Best best;
+  best.squared = reach * reach;
+  s.bvh.nearest(
+      x, [&](Index i) { best.offer(s.leaves[size(i)], x); }, [&] { return best.squared; });
+  return s.finish(best, x);
+}
+
+FootPoint SurfaceDistance::footFrom(const Vec3& x, Index start) const {
+  const Impl& s = *impl_;
+  if (start < 0 || size(start) >= s.leafOf.size()) return foot(x);
+  Impl::Best best;
+  best.offer(s.triangle(start), x);
+  s.descend(best, x);
+  s.bvh.nearest(
+      x, [&](Index i) { best.offer(s.leaves[size(i)], x); }, [&] { return best.squared; });
+  return s.finish(best, x);
+}
+
+FootPoint SurfaceDistance::footOnFace(const Vec3& x, Index face, double reach) const {
+  const Impl& s = *impl_;
+  const auto at = std::lower_bound(s.faceIds.begin(), s.faceIds.end(), face);
+  if (at == s.faceIds.end() || *at != face) return {};
+  const auto number = static_cast<std::size_t>(at - s.faceIds.begin());
+  const Bvh& tree = s.faceTrees.empty() ? s.bvh : s.faceTrees[number];
+  Impl::Best best;
+  best.squared = reach * reach;
+  tree.nearest(
+      x, [&](Index i) { best.offer(s.triangle(tree.order()[size(i)]), x); },
+      [&] { return best.squared; });
+  return best.found() ? toFootPoint(best.foot, best.id, s.onSurface) : FootPoint{};
+}
+
+FootPoint SurfaceDistance::footOnTriangle(const Vec3& x, Index triangle) const {
+  const Impl& s = *impl_;
+  if (triangle < 0 || size(triangle) >= s.leafOf.size()) return {};
+  return toFootPoint(closestOnTriangle(s.triangle(triangle), x), triangle, s.onSurface);
+}
+
+Feature SurfaceDistance::featureOf(const FootPoint& foot) const {
+  const TriMesh& mesh = impl_->mesh;
+  if (foot.triangle == kNone) return {};
+  const auto k = size(foot.corner);
+  const auto t = size(foot.triangle);
+  if (foot.kind == FeatureKind::Vertex) {
+    const Index point = mesh.triangles[t][k];
+    const Index label = mesh.vertexOf.empty() ? kNone : mesh.vertexOf[size(point)];
+    if (label != kNone) return {FeatureKind::Vertex, label};
+    if (!mesh.edgeOf.empty()) {
+      // A point inside a B-Rep edge: any labelled side that ends here names the edge.
+      Index edge = kNone;
+      for (const Index other : impl_->rings.of(point)) {
+        for (Index j = 0; j < 3; ++j) {
+          const Index side = 3 * other + j;
+          const bool touches = sideStart(mesh, side) == point || sideEnd(mesh, side) == point;
+          const Index id = touches ? mesh.edgeOf[size(side)] : kNone;
+          if (id != kNone && (edge == kNone || id < edge)) edge = id;
+        }
+      }
+      if (edge != kNone) return {FeatureKind::Edge, edge};
+    }
+  }
+  if (foot.kind == FeatureKind::Edge && !mesh.edgeOf.empty()) {
+    const Index label = mesh.edgeOf[3 * t + k];
+    if (label != kNone) return {FeatureKind::Edge, label};
+  }
+  return {FeatureKind::Face, mesh.face(foot.triangle)};
+}
+
+Vec3 SurfaceDistance::gradient(const Vec3& x, const FootPoint& foot) const {
+  if (foot.triangle == kNone) return Vec3::Zero();
+  const Vec3 normal = impl_->pseudonormal(foot);
+  const Vec3 gap = x - foot.point;
+  const double length = gap.norm();
+  if (foot.distance == 0 || !(length > 0)) return normal;
+  const Vec3 direction = foot.sign / length * gap;
+  // Over a well-shaped face the normal is the same direction without the rounding of a short gap.
+  const bool exact = foot.kind == FeatureKind::Face && impl_->triangle(foot.triangle).wellShaped;
+  return exact && direction.dot(normal) > 0.5 ? normal : direction;
+}
+
+double SurfaceDistance::windingNumber(const Vec3& x) const { return impl_->windingNumber(x); }
+
+SurfaceDistance::SurfaceDistance(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
+SurfaceDistance::SurfaceDistance(SurfaceDistance&&) noexcept = default;
+SurfaceDistance& SurfaceDistance::operator=(SurfaceDistance&&) noexcept = default;
+SurfaceDistance::~SurfaceDistance() = default;
+
+}  // namespace phront
