@@ -1,0 +1,337 @@
+// The judge: measures in a child process, decides in this one.
+//
+// The figures (topology, accuracy, side, coverage) are taken where OpenCASCADE may crash or hang;
+// the verdict is arithmetic on them. A child that dies while it measures is itself a verdict: what
+// cannot be measured is not delivered. The bounds are kCheckStrictness times those promised,
+// because a percentile or a maximum from samples varies from draw to draw. Weak spot: a
+// self-intersection shallower than the tolerance passes; BRepCheck does not see it and neither does
+// distance.
+#include "phront/cad/check.h"
+
+#include <BRep_Builder.hxx>
+#include <TopoDS_Compound.hxx>
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include <fmt/format.h>
+
+#include "exchange/guard.h"
+#include "phront/cad/shape_occt.h"
+#include "rebuild/check_measure.h"
+#include "rebuild/check_topology.h"
+
+namespace phront::cad {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kDefaultTolerance = 0.01;  // of |d|
+constexpr double kMaxFactor = 10;           // largest deviation allowed, in tolerances
+constexpr double kShareBeyond = 0.01;       // of the area may deviate more than the tolerance
+constexpr double kWrongSide = 0.001;        // of the area may lie on the wrong side
+// Fewer sampled points than this do not prove that something is left: other samples find none.
+constexpr int kFewestKept = 5;
+// The triangles only start the exact search and carry the sides: fine against the part and against
+// d.
+constexpr double kDeflectionOfDiagonal = 1e-4;
+constexpr double kDeflectionOfDistance = 0.02;
+constexpr double kFinestOfDiagonal = 2e-6;  // keeps the triangle count finite for tiny distances
+constexpr double kMeshAngle = 0.25;         // rad
+constexpr std::uint64_t kAccuracySeed = 0x9e3779b97f4a7c15;
+constexpr std::uint64_t kCoverageSeed = 0xbf58476d1ce4e5b9;
+
+/// All that the child measures.
+struct Figures {
+  TopologyFigures topology;
+  AccuracyFigures accuracy;
+  CoverageFigures coverage;
+  bool outEmpty = false;
+  bool solidIn = false;
+  int untessellated = 0;
+  std::string inError;   ///< IN cannot be measured
+  std::string outError;  ///< OUT cannot be tessellated
+};
+
+Json toJson(const Vec3& v) { return Json::array({v.x(), v.y(), v.z()}); }
+
+/// Reads the values of an array one after the other, in the order they were written.
+class ArrayReader {
+ public:
+  explicit ArrayReader(const Json& array) : array_(array) {}
+  template <class T>
+  ArrayReader& operator>>(T& value) {
+    array_.at(next_++).get_to(value);
+    return *this;
+  }
+  ArrayReader& operator>>(Vec3& value) {
+    const Json& v = array_.at(next_++);
+    value = Vec3(v.at(0).get<double>(), v.at(1).get<double>(), v.at(2).get<double>());
+    return *this;
+  }
+
+ private:
+  const Json& array_;
+  std::size_t next_ = 0;
+};
+
+std::string bytesOf(const Figures& f) {
+  const TopologyFigures& t = f.topology;
+  const AccuracyFigures& a = f.accuracy;
+  const CoverageFigures& c = f.coverage;
+  const Json json = Json::array({t.solids,
+                                 t.shells,
+                                 t.faces,
+                                 t.valid,
+                                 t.freeEdges,
+                                 t.overusedEdges,
+                                 t.looseFaces,
+                                 t.volume,
+                                 t.untessellated,
+                                 t.badSolids,  //
+                                 a.p99,
+                                 a.max,
+                                 a.shareBeyond,
+                                 a.rightSide,
+                                 toJson(a.worst),  //
+                                 c.p99,
+                                 c.max,
+                                 c.shareBeyond,
+                                 c.kept,
+                                 c.firm,
+                                 c.found,
+                                 c.keptShare,
+                                 toJson(c.worst),
+                                 toJson(c.anyKept),  //
+                                 f.outEmpty,
+                                 f.solidIn,
+                                 f.untessellated,
+                                 f.inError,
+                                 f.outError});
+  std::string bytes;
+  Json::to_cbor(json, bytes);  // binary doubles: infinities survive, no digit is lost
+  return bytes;
+}
+
+Figures figuresOf(const std::string& bytes) {
+  const Json json = Json::from_cbor(bytes);
+  Figures f;
+  TopologyFigures& t = f.topology;
+  AccuracyFigures& a = f.accuracy;
+  CoverageFigures& c = f.coverage;
+  ArrayReader read(json);
+  read >> t.solids >> t.shells >> t.faces >> t.valid >> t.freeEdges >> t.overusedEdges;
+  read >> t.looseFaces >> t.volume >> t.untessellated >> t.badSolids;
+  read >> a.p99 >> a.max >> a.shareBeyond >> a.rightSide >> a.worst;
+  read >> c.p99 >> c.max >> c.shareBeyond >> c.kept >> c.firm >> c.found >> c.keptShare;
+  read >> c.worst >> c.anyKept;
+  read >> f.outEmpty >> f.solidIn >> f.untessellated >> f.inError >> f.outError;
+  return f;
+}
+
+TopoDS_Shape compoundOf(const Model& model) {
+  BRep_Builder builder;
+  TopoDS_Compound compound;
+  builder.MakeCompound(compound);
+  for (const Body& body : model.bodies) {
+    if (!body.shape.empty()) builder.Add(compound, occtShape(body.shape));
+  }
+  return compound;
+}
+
+bool isEmpty(const Model& model) {
+  return std::all_of(model.bodies.begin(), model.bodies.end(),
+                     [](const Body& body) { return faceCount(body.shape) == 0; });
+}
+
+TessellateOptions meshOptions(const Model& in, double distance) {
+  const double diagonal = boundingBox(in).diagonal().norm();
+  TessellateOptions options;
+  options.deflection = std::max(
+      std::min(kDeflectionOfDiagonal * diagonal, kDeflectionOfDistance * std::abs(distance)),
+      kFinestOfDiagonal * diagonal);
+  options.angle = kMeshAngle;
+  options.distance = std::abs(distance);
+  return options;
+}
+
+/// Runs in the child.
+Figures measure(const Model& in, const Model& out, const MeasureOptions& options) {
+  Figures figures;
+  figures.outEmpty = isEmpty(out);
+  const TessellateOptions mesh = meshOptions(in, options.distance);
+  const auto inDistance = ModelDistance::build(in.bodies, mesh, "the input");
+  if (!inDistance) {
+    figures.inError = inDistance.error().message;
+    return figures;
+  }
+  figures.solidIn = inDistance->hasSolids();
+  SampleRng coverageRng(kCoverageSeed);
+  if (figures.outEmpty) {
+    figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
+    return figures;
+  }
+  const auto outDistance = ModelDistance::build(out.bodies, mesh, "the result");
+  if (outDistance) {
+    SampleRng accuracyRng(kAccuracySeed);
+    figures.untessellated = outDistance->untessellatedFaces();
+    figures.accuracy = measureAccuracy(*inDistance, *outDistance, options, accuracyRng);
+    figures.coverage = measureCoverage(*inDistance, &*outDistance, options, coverageRng);
+  } else {
+    figures.outError = outDistance.error().message;
+    figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
+  }
+  figures.topology = measureTopology(compoundOf(out), mesh.deflection, mesh.angle);
+  figures.untessellated = std::max(figures.untessellated, figures.topology.untessellated);
+  return figures;
+}
+
+std::string at(const Vec3& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
+}
+
+void judgeTopology(const Figures& f, std::vector<std::string>& reasons) {
+  const TopologyFigures& t = f.topology;
+  if (!t.valid) reasons.emplace_back("OpenCASCADE's BRepCheck finds the result invalid.");
+  if (f.untessellated > 0) {
+    reasons.push_back(
+        fmt::format("{} faces of the result cannot be tessellated.", f.untessellated));
+  }
+  if (!f.solidIn) return;
+  if (t.solids == 0) reasons.emplace_back("The result holds no solid.");
+  if (!t.closed()) {
+    reasons.push_back(
+        fmt::format("The result is not closed: {} edges are used once, {} more than "
+                    "twice in their shell, {} faces are in no shell.",
+                    t.freeEdges, t.overusedEdges, t.looseFaces));
+  }
+  if (t.badSolids > 0 || !(t.volume > 0)) {
+    reasons.push_back(fmt::format("{} of {} solids of the result have no positive volume.",
+                                  t.badSolids, t.solids));
+  }
+}
+
+void judgeAccuracy(const Figures& f, double tolerance, std::vector<std::string>& reasons) {
+  const AccuracyFigures& a = f.accuracy;
+  if (!(a.shareBeyond <= kCheckStrictness * kShareBeyond)) {
+    reasons.push_back(fmt::format(
+        "The result is inaccurate: {:.3g} % of its area deviates by more than {:.3g} mm from the "
+        "distance wanted, the worst by {:.3g} mm near {}.",
+        100 * a.shareBeyond, kCheckStrictness * tolerance, a.max, at(a.worst)));
+  } else if (!(a.max <= kCheckStrictness * kMaxFactor * tolerance)) {
+    reasons.push_back(
+        fmt::format("The result is inaccurate in places: it deviates by {:.3g} mm near {}.", a.max,
+                    at(a.worst)));
+  }
+  if (!(1 - a.rightSide <= kCheckStrictness * kWrongSide)) {
+    reasons.push_back(
+        fmt::format("{:.3g} % of the result's area lies on the wrong side of the "
+                    "input.",
+                    100 * (1 - a.rightSide)));
+  }
+}
+
+void judgeCoverage(const Figures& f, double tolerance, std::vector<std::string>& reasons) {
+  const CoverageFigures& c = f.coverage;
+  if (f.outEmpty) {
+    if (c.kept + c.found > 0) {
+      reasons.push_back(fmt::format(
+          "The result is empty, but the offset is not: {:.3g} % of the input's area has one, for "
+          "example at {}.",
+          100 * c.keptShare, at(c.anyKept)));
+    }
+    return;
+  }
+  if (c.firm == 0) {
+    reasons.emplace_back("The result is not empty, but the offset of the input is.");
+  } else if (c.kept < kFewestKept) {
+    reasons.push_back(
+        fmt::format("So little of the input has an offset ({:.2g} % of its area) that "
+                    "the result cannot be confirmed.",
+                    100 * c.keptShare));
+  } else if (!(c.shareBeyond <= kCheckStrictness * kShareBeyond)) {
+    reasons.push_back(fmt::format(
+        "Parts of the offset are missing: {:.3g} % of its area lies farther than {:.3g} mm from "
+        "the result, the worst {:.3g} mm near {}.",
+        100 * c.shareBeyond, kCheckStrictness * tolerance, c.max, at(c.worst)));
+  } else if (!(c.max <= kCheckStrictness * kMaxFactor * tolerance)) {
+    reasons.push_back(
+        fmt::format("A part of the offset is missing: at {} the result is {:.3g} mm away.",
+                    at(c.worst), c.max));
+  }
+}
+
+CheckResult judge(const Figures& f, double tolerance) {
+  CheckResult result;
+  result.solids = f.topology.solids;
+  result.shells = f.topology.shells;
+  result.faces = f.topology.faces;
+  result.valid = f.topology.valid;
+  result.closed = f.topology.closed();
+  result.volume = f.topology.volume;
+  result.accuracyP99 = f.accuracy.p99;
+  result.accuracyMax = f.accuracy.max;
+  result.coverageP99 = f.coverage.p99;
+  result.coverageMax = f.coverage.max;
+  result.rightSide = f.accuracy.rightSide;
+  result.trueOffsetEmpty = f.coverage.kept + f.coverage.found == 0;
+  result.untessellatedFaces = f.untessellated;
+  result.worstPoint = f.coverage.max > f.accuracy.max ? f.coverage.worst : f.accuracy.worst;
+
+  if (!f.outEmpty) {
+    judgeTopology(f, result.reasons);
+    if (f.outError.empty()) judgeAccuracy(f, tolerance, result.reasons);
+  }
+  if (f.outError.empty()) {
+    judgeCoverage(f, tolerance, result.reasons);
+  } else {
+    result.reasons.push_back("The result cannot be measured: " + f.outError + ".");
+  }
+  return result;
+}
+
+Result<MeasureOptions> resolve(const Model& in, const CheckOptions& options) {
+  if (!std::isfinite(options.distance) || options.distance == 0) {
+    return fail(ErrorCode::InvalidArgument, "the distance of a check must be finite and not zero");
+  }
+  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance))) {
+    return fail(ErrorCode::InvalidArgument, "the tolerance of a check must be positive");
+  }
+  if (options.samples < 1 || !(options.timeLimit > 0)) {
+    return fail(ErrorCode::InvalidArgument,
+                "a check needs at least one sample and a positive time limit");
+  }
+  if (isEmpty(in)) {
+    return fail(ErrorCode::InvalidArgument, "the input of a check has no faces");
+  }
+  const double tolerance =
+      kCheckStrictness * options.tolerance.value_or(kDefaultTolerance * std::abs(options.distance));
+  return MeasureOptions{options.distance, tolerance, kMaxFactor * tolerance, options.samples};
+}
+
+}  // namespace
+
+Result<CheckResult> checkOffset(const Model& in, const Model& out, const CheckOptions& options,
+                                const Progress& progress) {
+  const auto resolved = resolve(in, options);
+  if (!resolved) return tl::unexpected<Error>(resolved.error());
+  if (!progress.report(0)) return fail(ErrorCode::Cancelled, "the check was cancelled");
+
+  GuardLimits limits;
+  limits.seconds = options.timeLimit;
+  const auto bytes = runInChild("checking the result", limits, [&]() -> Result<std::string> {
+    return bytesOf(measure(in, out, *resolved));
+  });
+  if (!progress.report(1)) return fail(ErrorCode::Cancelled, "the check was cancelled");
+  if (!bytes) {
+    if (bytes.error().code != ErrorCode::Failed) return tl::unexpected<Error>(bytes.error());
+    CheckResult unmeasured;
+    unmeasured.reasons.push_back("The result cannot be measured: " + bytes.error().message + ".");
+    return unmeasured;
+  }
+  const Figures figures = figuresOf(*bytes);
+  if (!figures.inError.empty()) return fail(ErrorCode::Failed, figures.inError);
+  return judge(figures, resolved->tolerance / kCheckStrictness);
+}
+
+}  // namespace phront::cad

@@ -1,0 +1,328 @@
+// How far OUT is from where it should be, and what of the true offset it lacks.
+//
+// Percentiles come from stratified samples with exact distances on both sides. A maximum cannot be
+// had by sampling alone: a defect that covers little of a face is easily missed. So ten times as
+// many points are first measured against the triangles only (microseconds each), the worst of them
+// exactly, and from the worst of all a random local search climbs over the face to the top (pure
+// random search with shrinking radius, Solis & Wets 1981). The same search answers whether anything
+// is left of a part that seems to vanish: it climbs to the point whose offset is farthest from IN.
+// A point p + d n is kept as part of the true offset when its distance to IN is |d|; features are
+// never asked which of them cut it off.
+// Weak spots: a slot or wall within 1.2e-3 |d| of closing or vanishing is read as open; defects
+// both smaller than the sampling and not reached by the climb are missed.
+#include "rebuild/check_measure.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace phront::cad {
+namespace {
+
+constexpr int kPerFace = 20;          // fewest samples on a face of an ordinary part
+constexpr int kMostByFaces = 60'000;  // together, where there are thousands of faces
+constexpr int kSearchFactor = 10;     // search points per sample, measured against triangles
+constexpr int kMostSearched = 300'000;
+constexpr int kMostExact = 600;  // search points measured exactly
+constexpr int kClimbs = 12;
+constexpr int kClimbRounds = 5;
+constexpr int kClimbTries = 8;
+constexpr int kSideSamples = 6000;
+constexpr double kLooseKeep = 1.2e-3;  // of |d|: nearer to IN than this below |d| is cut off
+constexpr double kFirmKeep = 0.8e-3;   // of |d|: certainly not cut off
+constexpr double kSuspicious = 0.3;    // of the maximum: below, a search point is not pursued
+constexpr double kMeshSlack = 4;       // times the measured deflection: error of triangle distances
+
+int perFace(int faces, int wanted, int most) {
+  return std::clamp(most / std::max(faces, 1), 2, wanted);
+}
+
+struct Scored {
+  SurfaceSample sample;
+  double score = 0;
+};
+
+/// The worst first; equal ones in the order they were drawn.
+void sortByScore(std::vector<Scored>& items) {
+  std::stable_sort(items.begin(), items.end(),
+                   [](const Scored& a, const Scored& b) { return a.score > b.score; });
+}
+
+/// Climbs on the face of `start` towards larger `score(sample)`.
+template <class Score>
+Scored climb(const ModelDistance& model, Scored start, const Score& score, SampleRng& rng) {
+  const SurfaceDistance& surface = model.body(start.sample.body).surface();
+  const Index face = surface.mesh().face(start.sample.triangle);
+  const double faceArea = model.body(start.sample.body)
+                              .tessellation()
+                              .features.faces[static_cast<std::size_t>(face)]
+                              .area;
+  double radius = 0.3 * std::sqrt(faceArea);
+  Scored best = std::move(start);
+  for (int round = 0; round < kClimbRounds; ++round, radius *= 0.3) {
+    const Vec3 centre = best.sample.point;
+    for (int i = 0; i < kClimbTries; ++i) {
+      const Vec3 step(2 * rng() - 1, 2 * rng() - 1, 2 * rng() - 1);
+      const FootPoint foot = surface.footOnFace(centre + radius * step, face);
+      if (foot.triangle == kNone) continue;
+      Scored next{model.sampleAt(best.sample.body, foot.triangle, foot.barycentric), 0};
+      next.score = score(next.sample);
+      if (next.score > best.score) best = std::move(next);
+    }
+  }
+  return best;
+}
+
+/// Climbs from the first of `seeds`, which are sorted; the best of all.
+template <class Score>
+Scored climbAll(const ModelDistance& model, const std::vector<Scored>& seeds, const Score& score,
+                SampleRng& rng) {
+  Scored best;
+  for (std::size_t i = 0; i < seeds.size() && i < kClimbs; ++i) {
+    Scored top = climb(model, seeds[i], score, rng);
+    if (i == 0 || top.score > best.score) best = std::move(top);
+  }
+  return best;
+}
+
+int searchCount(const MeasureOptions& options) {
+  return std::min(kSearchFactor * options.samples, kMostSearched);
+}
+
+std::vector<SurfaceSample> statisticSamples(const ModelDistance& model,
+                                            const MeasureOptions& options, SampleRng& rng) {
+  return model.surfaceSamples(options.samples, perFace(model.faces(), kPerFace, kMostByFaces), rng);
+}
+
+std::vector<SurfaceSample> searchSamples(const ModelDistance& model, const MeasureOptions& options,
+                                         SampleRng& rng) {
+  return model.surfaceSamples(searchCount(options),
+                              perFace(model.faces(), kSearchFactor * kPerFace, kMostSearched), rng);
+}
+
+/// What remains of the offset of IN, point by point.
+class TrueOffset {
+ public:
+  TrueOffset(const ModelDistance& in, double distance) : in_(in), distance_(distance) {}
+
+  [[nodiscard]] Vec3 of(const SurfaceSample& s) const { return s.point + distance_ * s.normal; }
+
+  /// Cheap: false only for points that kept() refuses, too.
+  [[nodiscard]] bool mayBeKept(const Vec3& q) const {
+    return in_.meshDistance(q) + kMeshSlack * in_.deflection() >= bound(kLooseKeep);
+  }
+  [[nodiscard]] double reach(const Vec3& q) const { return in_.distance(q); }
+  [[nodiscard]] bool kept(double reach) const { return reach >= bound(kLooseKeep); }
+  [[nodiscard]] bool firm(double reach) const { return reach >= bound(kFirmKeep); }
+  [[nodiscard]] bool rightSide(const Vec3& q) const {
+    return !in_.hasSolids() || in_.inside(q) == (distance_ < 0);
+  }
+
+ private:
+  [[nodiscard]] double bound(double slack) const { return std::abs(distance_) * (1 - slack); }
+
+  const ModelDistance& in_;
+  double distance_;
+};
+
+/// Collects what coverage samples say.
+class CoverageTally {
+ public:
+  CoverageTally(const ModelDistance* out, const MeasureOptions& options)
+      : out_(out), options_(options) {}
+
+  /// Returns the distance to OUT (0 without one).
+  double add(const Vec3& q, double reach, const TrueOffset& offset, double weight) {
+    if (figures.kept == 0) figures.anyKept = q;
+    ++figures.kept;
+    if (offset.firm(reach)) ++figures.firm;
+    if (out_ == nullptr) return 0;
+    const double error = out_->distance(q);
+    errors_.add(error, weight);
+    raise(error, q);
+    return error;
+  }
+
+  void raise(double error, const Vec3& q) {
+    if (error > figures.max) {
+      figures.max = error;
+      figures.worst = q;
+    }
+  }
+
+  void finish() {
+    figures.p99 = errors_.quantile(0.99);
+    figures.shareBeyond = errors_.shareAbove(options_.tolerance);
+  }
+
+  CoverageFigures figures;
+
+ private:
+  const ModelDistance* out_;
+  const MeasureOptions& options_;
+  WeightedErrors errors_;
+};
+
+/// Sampled points first; returns those worth climbing from.
+std::vector<Scored> tallySamples(const ModelDistance& in, const TrueOffset& offset,
+                                 const MeasureOptions& options, CoverageTally& tally,
+                                 SampleRng& rng) {
+  std::vector<Scored> seeds;
+  double kept = 0;
+  double all = 0;
+  for (const SurfaceSample& s : statisticSamples(in, options, rng)) {
+    all += s.weight;
+    const Vec3 q = offset.of(s);
+    if (!offset.mayBeKept(q)) continue;
+    const double reach = offset.reach(q);
+    if (!offset.kept(reach)) continue;
+    kept += s.weight;
+    seeds.push_back({s, tally.add(q, reach, offset, s.weight)});
+  }
+  tally.figures.keptShare = all > 0 ? kept / all : 0;
+  RoundingDensity density;
+  density.perArea = options.samples / in.area();
+  for (std::size_t b = 0; in.hasSolids() && b < in.bodyCount(); ++b) {
+    for (const OffsetCandidate& c :
+         roundingCandidates(in.shape(b), options.distance, density, rng)) {
+      if (!offset.mayBeKept(c.point)) continue;
+      const double reach = offset.reach(c.point);
+      if (offset.kept(reach) && offset.rightSide(c.point)) {
+        tally.add(c.point, reach, offset, c.weight);
+      }
+    }
+  }
+  return seeds;
+}
+
+/// Looks for the point of the true offset that lies farthest from OUT.
+void searchUncovered(const ModelDistance& in, const ModelDistance& out, const TrueOffset& offset,
+                     const MeasureOptions& options, std::vector<Scored> seeds, CoverageTally& tally,
+                     SampleRng& rng) {
+  const double floor = kSuspicious * options.maxTolerance;
+  std::vector<Scored> suspects;
+  for (const SurfaceSample& s : searchSamples(in, options, rng)) {
+    const Vec3 q = offset.of(s);
+    const double error = out.meshDistance(q);
+    if (error > floor && offset.mayBeKept(q)) suspects.push_back({s, error});
+  }
+  sortByScore(suspects);
+  int exact = 0;
+  for (const Scored& suspect : suspects) {
+    if (++exact > kMostExact) break;
+    const Vec3 q = offset.of(suspect.sample);
+    if (!offset.kept(offset.reach(q))) continue;
+    const double error = out.distance(q);
+    tally.raise(error, q);
+    seeds.push_back({suspect.sample, error});
+  }
+  sortByScore(seeds);
+  const auto uncovered = [&](const SurfaceSample& s) {
+    const Vec3 q = offset.of(s);
+    return offset.mayBeKept(q) && offset.kept(offset.reach(q)) ? out.distance(q) : 0.0;
+  };
+  if (!seeds.empty()) {
+    const Scored top = climbAll(in, seeds, uncovered, rng);
+    tally.raise(top.score, offset.of(top.sample));
+  }
+
+  RoundingDensity denser;
+  denser.perArea = 3 * options.samples / in.area();
+  denser.perVertex = 48;
+  for (std::size_t b = 0; in.hasSolids() && b < in.bodyCount(); ++b) {
+    for (const OffsetCandidate& c :
+         roundingCandidates(in.shape(b), options.distance, denser, rng)) {
+      if (out.meshDistance(c.point) <= floor || !offset.mayBeKept(c.point)) continue;
+      if (!offset.kept(offset.reach(c.point)) || !offset.rightSide(c.point)) continue;
+      tally.raise(out.distance(c.point), c.point);
+      if (tally.figures.max > options.maxTolerance) return;
+    }
+  }
+}
+
+/// Looks for any point of the true offset when the samples found none: climbs to the one whose
+/// offset is farthest from IN.
+void searchRemains(const ModelDistance& in, const TrueOffset& offset, const MeasureOptions& options,
+                   CoverageTally& tally, SampleRng& rng) {
+  std::vector<Scored> seeds;
+  for (const SurfaceSample& s : searchSamples(in, options, rng)) {
+    seeds.push_back({s, in.meshDistance(offset.of(s))});
+  }
+  sortByScore(seeds);
+  if (seeds.size() > kMostExact) seeds.resize(kMostExact);
+  const auto reach = [&](const SurfaceSample& s) { return offset.reach(offset.of(s)); };
+  for (Scored& seed : seeds) seed.score = reach(seed.sample);
+  sortByScore(seeds);
+  if (seeds.empty()) return;
+  const Scored top = climbAll(in, seeds, reach, rng);
+  if (offset.kept(top.score)) {
+    ++tally.figures.found;
+    tally.figures.anyKept = offset.of(top.sample);
+  }
+}
+
+}  // namespace
+
+AccuracyFigures measureAccuracy(const ModelDistance& in, const ModelDistance& out,
+                                const MeasureOptions& options, SampleRng& rng) {
+  const double wanted = std::abs(options.distance);
+  const auto error = [&](const SurfaceSample& s) {
+    return std::abs(in.distance(s.point) - wanted);
+  };
+  AccuracyFigures figures;
+  WeightedErrors errors;
+  std::vector<Scored> seeds;
+  double right = 0;
+  double sided = 0;
+  const std::vector<SurfaceSample> samples = statisticSamples(out, options, rng);
+  const std::size_t stride = samples.size() / kSideSamples + 1;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const SurfaceSample& s = samples[i];
+    seeds.push_back({s, error(s)});
+    errors.add(seeds.back().score, s.weight);
+    if (!in.hasSolids() || i % stride != 0) continue;
+    sided += s.weight;
+    if (in.inside(s.point) == (options.distance < 0)) right += s.weight;
+  }
+  if (sided > 0) figures.rightSide = right / sided;
+  figures.p99 = errors.quantile(0.99);
+  figures.shareBeyond = errors.shareAbove(options.tolerance);
+
+  if (seeds.empty()) return figures;
+  sortByScore(seeds);
+  figures.max = seeds.front().score;
+  figures.worst = seeds.front().sample.point;
+  if (figures.max > options.maxTolerance) return figures;  // no need to look for worse
+
+  const double floor = kSuspicious * options.maxTolerance;
+  std::vector<Scored> suspects;
+  for (const SurfaceSample& s : searchSamples(out, options, rng)) {
+    const double meshError = std::abs(in.meshDistance(s.point) - wanted);
+    if (meshError > floor) suspects.push_back({s, meshError});
+  }
+  sortByScore(suspects);
+  if (suspects.size() > kMostExact) suspects.resize(kMostExact);
+  for (const Scored& suspect : suspects) seeds.push_back({suspect.sample, error(suspect.sample)});
+  sortByScore(seeds);
+  const Scored top = climbAll(out, seeds, error, rng);
+  figures.max = top.score;
+  figures.worst = top.sample.point;
+  return figures;
+}
+
+CoverageFigures measureCoverage(const ModelDistance& in, const ModelDistance* out,
+                                const MeasureOptions& options, SampleRng& rng) {
+  const TrueOffset offset(in, options.distance);
+  CoverageTally tally(out, options);
+  std::vector<Scored> seeds = tallySamples(in, offset, options, tally, rng);
+  if (tally.figures.kept == 0) {
+    searchRemains(in, offset, options, tally, rng);
+  } else if (out != nullptr && tally.figures.max <= options.maxTolerance) {
+    searchUncovered(in, *out, offset, options, std::move(seeds), tally, rng);
+  }
+  tally.finish();
+  return std::move(tally.figures);
+}
+
+}  // namespace phront::cad

@@ -1,0 +1,44 @@
+// The figures of the check: accuracy, side and coverage of one result against one input.
+#pragma once
+
+#include "rebuild/check_sampling.h"
+
+namespace phront::cad {
+
+struct MeasureOptions {
+  double distance = 0;      ///< d, mm, signed
+  double tolerance = 0;     ///< mm, what shares are counted above
+  double maxTolerance = 0;  ///< mm, what single points are held to: guides the search for outliers
+  int samples = 20'000;
+};
+
+struct AccuracyFigures {
+  double p99 = 0;  ///< of | dist(OUT, IN) - |d| |, by area
+  double max = 0;
+  double shareBeyond = 0;  ///< of OUT's area with an error above the tolerance
+  double rightSide = 1;    ///< of OUT's area
+  Vec3 worst = Vec3::Zero();
+};
+
+struct CoverageFigures {
+  double p99 = 0;  ///< distance of the true offset to OUT, by area
+  double max = 0;
+  double shareBeyond = 0;
+  int kept = 0;          ///< sampled points of the true offset
+  int firm = 0;          ///< those clearly at the full distance
+  int found = 0;         ///< further ones that the search for the most distant points brought up
+  double keptShare = 0;  ///< of IN's area whose offset survives
+  Vec3 worst = Vec3::Zero();
+  Vec3 anyKept = Vec3::Zero();
+};
+
+/// Samples of OUT against IN.
+[[nodiscard]] AccuracyFigures measureAccuracy(const ModelDistance& in, const ModelDistance& out,
+                                              const MeasureOptions& options, SampleRng& rng);
+
+/// Points of the true offset, built from IN alone, against OUT; `out` null: only whether there are
+/// any.
+[[nodiscard]] CoverageFigures measureCoverage(const ModelDistance& in, const ModelDistance* out,
+                                              const MeasureOptions& options, SampleRng& rng);
+
+}  // namespace phront::cad

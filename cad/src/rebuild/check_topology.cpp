@@ -1,0 +1,108 @@
+// Topology of a result. An edge counts once per use by a face of its shell: twice is closed, also
+// when one face uses it twice (seam). Degenerated edges have no length and internal or external
+// ones bound nothing, so neither counts. Volume comes from the faces (divergence theorem,
+// BRepGProp), solid by solid: a solid turned inside out must not hide behind a larger good one.
+// Weak spot: BRepGProp returns huge numbers for some broken faces; a volume above that of the
+// bounding box is therefore taken as no volume at all.
+#include "rebuild/check_topology.h"
+
+#include <BRepBndLib.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
+#include <BRepMesh_IncrementalMesh.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
+#include <GProp_GProps.hxx>
+#include <Poly_Triangulation.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <cmath>
+#include <vector>
+
+namespace phront::cad {
+namespace {
+
+// Bnd_Box encloses poles, not the surface itself, so it is never too small; the rest is round-off.
+constexpr double kVolumeSlack = 1 + 1e-6;
+
+int countOf(const TopoDS_Shape& shape, TopAbs_ShapeEnum type) {
+  TopTools_IndexedMapOfShape map;
+  TopExp::MapShapes(shape, type, map);
+  return map.Extent();
+}
+
+void countEdgeUses(const TopoDS_Shape& part, TopologyFigures& figures) {
+  TopTools_IndexedMapOfShape edges;
+  std::vector<int> uses;
+  for (TopExp_Explorer f(part, TopAbs_FACE); f.More(); f.Next()) {
+    for (TopExp_Explorer e(f.Current(), TopAbs_EDGE); e.More(); e.Next()) {
+      const TopoDS_Edge& edge = TopoDS::Edge(e.Current());
+      const TopAbs_Orientation side = edge.Orientation();
+      if (side == TopAbs_INTERNAL || side == TopAbs_EXTERNAL) continue;
+      if (BRep_Tool::Degenerated(edge)) continue;
+      const auto index = static_cast<std::size_t>(edges.Add(edge));
+      if (uses.size() < index) uses.push_back(0);
+      ++uses[index - 1];
+    }
+  }
+  for (const int n : uses) {
+    if (n < 2) ++figures.freeEdges;
+    if (n > 2) ++figures.overusedEdges;
+  }
+}
+
+int facesWithoutTriangles(const TopoDS_Shape& shape, double deflection, double angle) {
+  BRepTools::Clean(shape);
+  BRepMesh_IncrementalMesh(shape, deflection, Standard_False, angle, Standard_False);
+  int missing = 0;
+  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
+    TopLoc_Location location;
+    const auto triangles = BRep_Tool::Triangulation(TopoDS::Face(f.Current()), location);
+    if (triangles.IsNull() || triangles->NbTriangles() == 0) ++missing;
+  }
+  return missing;
+}
+
+bool plausibleVolume(const TopoDS_Shape& solid, double volume) {
+  if (!std::isfinite(volume) || volume <= 0) return false;
+  Bnd_Box box;
+  BRepBndLib::Add(solid, box, Standard_False);
+  if (box.IsVoid()) return false;
+  const gp_XYZ size = box.CornerMax().XYZ() - box.CornerMin().XYZ();
+  return volume <= size.X() * size.Y() * size.Z() * kVolumeSlack;
+}
+
+}  // namespace
+
+TopologyFigures measureTopology(const TopoDS_Shape& shape, double deflection, double angle) {
+  TopologyFigures figures;
+  if (shape.IsNull()) return figures;
+  figures.solids = countOf(shape, TopAbs_SOLID);
+  figures.faces = countOf(shape, TopAbs_FACE);
+  figures.valid = BRepCheck_Analyzer(shape, Standard_True).IsValid();
+
+  TopTools_IndexedMapOfShape shells;
+  TopExp::MapShapes(shape, TopAbs_SHELL, shells);
+  figures.shells = shells.Extent();
+  for (int i = 1; i <= shells.Extent(); ++i) countEdgeUses(shells(i), figures);
+  for (TopExp_Explorer f(shape, TopAbs_FACE, TopAbs_SHELL); f.More(); f.Next()) {
+    ++figures.looseFaces;
+  }
+
+  for (TopExp_Explorer s(shape, TopAbs_SOLID); s.More(); s.Next()) {
+    GProp_GProps properties;
+    BRepGProp::VolumeProperties(s.Current(), properties, Standard_False);
+    const double volume = properties.Mass();
+    figures.volume += volume;
+    if (!plausibleVolume(s.Current(), volume)) ++figures.badSolids;
+  }
+  figures.untessellated = facesWithoutTriangles(shape, deflection, angle);
+  return figures;
+}
+
+}  // namespace phront::cad

@@ -1,0 +1,32 @@
+// What a result must be before any distance is measured: valid, closed, with positive volume.
+#pragma once
+
+#include <TopoDS_Shape.hxx>
+
+namespace phront::cad {
+
+struct TopologyFigures {
+  int solids = 0;
+  int shells = 0;
+  int faces = 0;
+  bool valid = false;     ///< BRepCheck_Analyzer, with geometry
+  int freeEdges = 0;      ///< used once in their shell
+  int overusedEdges = 0;  ///< used more than twice in their shell
+  int looseFaces = 0;     ///< in no shell
+  double volume = 0;      ///< mm^3, sum over the solids
+  int untessellated = 0;  ///< faces that OpenCASCADE's mesher gives no triangles for
+  int badSolids = 0;      ///< solids whose volume is not positive or larger than their box
+
+  /// Every edge used exactly twice in its shell, no face outside a shell.
+  [[nodiscard]] bool closed() const {
+    return shells > 0 && faces > 0 && freeEdges == 0 && overusedEdges == 0 && looseFaces == 0;
+  }
+};
+
+/// Meshes the shape once, plainly, with `deflection` (mm): what needs special care to be meshed
+/// here fails elsewhere. Leaves the triangles on the shape, and may throw, hang or crash with
+/// OpenCASCADE on a bad shape: call it in runInChild.
+[[nodiscard]] TopologyFigures measureTopology(const TopoDS_Shape& shape, double deflection,
+                                              double angle);
+
+}  // namespace phront::cad
