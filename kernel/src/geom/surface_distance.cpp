@@ -131,7 +131,7 @@ struct SurfaceDistance::Impl {
     double squared = std::numeric_limits<double>::infinity();
     Index id = std::numeric_limits<Index>::max();  // nothing yet: loses every tie
     TriangleFoot foot;
-    bool found() const { return id != std::numeric_limits<Index>::max(); }
+    bool found() const { return id != std::numeric_limits<Index>::max() && std::isfinite(squared); }
     void offer(const QueryTriangle& t, const Vec3& x) {
       const TriangleFoot f = closestOnTriangle(t, x);
       if (f.squared < squared || (f.squared == squared && t.id < id)) {
@@ -370,7 +370,9 @@ FootPoint SurfaceDistance::footOnFace(const Vec3& x, Index face, double reach) c
 FootPoint SurfaceDistance::footOnTriangle(const Vec3& x, Index triangle) const {
   const Impl& s = *impl_;
   if (triangle < 0 || size(triangle) >= s.leafOf.size()) return {};
-  return toFootPoint(closestOnTriangle(s.triangle(triangle), x), triangle, s.onSurface);
+  Impl::Best best;
+  best.offer(s.triangle(triangle), x);
+  return best.found() ? toFootPoint(best.foot, best.id, s.onSurface) : FootPoint{};
 }
 
 Feature SurfaceDistance::featureOf(const FootPoint& foot) const {
