@@ -30,6 +30,10 @@ double triangleArea(const TriMesh& mesh, std::size_t t) {
 
 }  // namespace
 
+void WeightedErrors::add(double error, double weight) {
+  items_.push_back({std::isnan(error) ? std::numeric_limits<double>::infinity() : error, weight});
+}
+
 double WeightedErrors::max() const {
   double best = 0;
   for (const Item& item : items_) best = std::max(best, item.error);
@@ -56,7 +60,7 @@ double WeightedErrors::shareAbove(double bound) const {
   double above = 0;
   for (const Item& item : items_) {
     total += item.weight;
-    if (!(item.error <= bound)) above += item.weight;
+    if (item.error > bound) above += item.weight;
   }
   return total > 0 ? above / total : 0;
 }

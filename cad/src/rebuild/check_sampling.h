@@ -26,7 +26,7 @@ class SampleRng {
 /// Errors with the area they stand for.
 class WeightedErrors {
  public:
-  void add(double error, double weight) { items_.push_back({error, weight}); }
+  void add(double error, double weight);  ///< NaN counts as infinite
   [[nodiscard]] bool empty() const { return items_.empty(); }
   [[nodiscard]] double max() const;  ///< 0 when empty
   [[nodiscard]] double quantile(

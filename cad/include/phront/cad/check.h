@@ -17,7 +17,7 @@ inline constexpr double kCheckStrictness = 0.8;
 
 struct CheckOptions {
   double distance = 0;                ///< d, mm, signed
-  std::optional<double> tolerance;    ///< mm, bound on 99th percentiles; default 1 % of |d|
+  std::optional<double> tolerance = std::nullopt;  ///< mm, bound on 99th percentiles; default 1 % of |d|
   int samples = 20'000;               ///< over the whole surface, and at least 20 on each face
   double timeLimit = 60;              ///< s, for the guarded child that measures
 };
