@@ -1,0 +1,241 @@
+// BOPAlgo_MakerVolume makes every closed cell of a set of faces that share edges, with cavities and
+// orientation; of the cells those inside (phi grows across their boundary outwards) are the offset.
+// "Cells" is the second way: divide space by all pieces, keep the cells with phi < d, take the
+// faces that bound exactly one of them; it survives tiny coinciding pieces that leave the first way
+// open, and fails where one bad face lets two cells run into one.
+#include "rebuild/assemble.h"
+
+#include <BOPAlgo_MakerVolume.hxx>
+#include <BRepBuilderAPI_Sewing.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <GProp_GProps.hxx>
+#include <ShapeFix_Shape.hxx>
+#include <Standard_Failure.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_DataMapOfShapeInteger.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopTools_ListOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
+#include <TopoDS_Solid.hxx>
+#include <cmath>
+#include <functional>
+
+namespace phront::cad {
+namespace {
+
+/// Step across a face, of |d|, to see which way phi grows.
+constexpr double kStep = 1e-3;
+/// Solids thinner than this share of the diagonal (volume over area) have no volume.
+constexpr double kNoVolume = 1e-7;
+
+TopoDS_Shape asOne(const std::vector<TopoDS_Shape>& shapes) {
+  if (shapes.empty()) return {};
+  if (shapes.size() == 1) return shapes.front();
+  const BRep_Builder builder;
+  TopoDS_Compound compound;
+  builder.MakeCompound(compound);
+  for (const TopoDS_Shape& s : shapes) builder.Add(compound, s);
+  return compound;
+}
+
+std::vector<TopoDS_Shape> partsOf(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
+  std::vector<TopoDS_Shape> parts;
+  if (shape.IsNull()) return parts;
+  TopTools_IndexedMapOfShape map;
+  TopExp::MapShapes(shape, kind, map);
+  for (int i = 1; i <= map.Extent(); ++i) parts.push_back(map(i));
+  return parts;
+}
+
+std::vector<TopoDS_Shape> cellsOf(const std::vector<TopoDS_Shape>& faces) {
+  if (faces.empty()) return {};
+  BOPAlgo_MakerVolume maker;
+  TopTools_ListOfShape arguments;
+  for (const TopoDS_Shape& face : faces) arguments.Append(face);
+  maker.SetArguments(arguments);
+  maker.SetIntersect(Standard_False);
+  maker.SetAvoidInternalShapes(Standard_True);
+  maker.SetRunParallel(Standard_False);
+  maker.Perform();
+  if (maker.HasErrors()) return {};
+  return partsOf(maker.Shape(), TopAbs_SOLID);
+}
+
+bool hasVolume(const TopoDS_Shape& solid, double diagonal) {
+  GProp_GProps volume;
+  GProp_GProps area;
+  BRepGProp::VolumeProperties(solid, volume);
+  BRepGProp::SurfaceProperties(solid, area);
+  return volume.Mass() > kNoVolume * diagonal * area.Mass();
+}
+
+class Assembler {
+ public:
+  Assembler(const std::vector<JudgedFace>& faces, const AssembleOptions& options,
+            const TrueDistance& phi)
+      : faces_(faces), options_(options), phi_(phi) {
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      index_.Bind(faces[i].face, static_cast<int>(i));
+    }
+  }
+
+  /// Share of faces that say "this cell is inside". Dead faces lie wholly in phi < d; a live one
+  /// says so when phi grows across it outwards.
+  bool inside(const TopoDS_Shape& cell) {
+    int yes = 0;
+    int no = 0;
+    for (TopExp_Explorer it(cell, TopAbs_FACE); it.More(); it.Next()) {
+      std::vector<FaceSample> samples;
+      bool live = true;
+      if (index_.IsBound(it.Current())) {
+        const JudgedFace& judged = faces_[static_cast<std::size_t>(index_.Find(it.Current()))];
+        samples = judged.samples;
+        live = judged.live;
+        if (judged.face.Orientation() != it.Current().Orientation()) {
+          for (FaceSample& s : samples) s.normal.Reverse();
+        }
+      } else {
+        samples = interiorSamples(TopoDS::Face(it.Current()));
+      }
+      if (samples.empty()) continue;
+      if (!live) {
+        ++yes;
+        continue;
+      }
+      const FaceSample& s = samples.front();
+      const bool outward = facesOutward(s, s.normal, kStep * std::abs(options_.distance), phi_);
+      ++(outward ? yes : no);
+    }
+    return yes > no;
+  }
+
+  Assembly finish(const std::vector<TopoDS_Shape>& cells, const std::string& way) {
+    std::vector<TopoDS_Shape> solids;
+    for (const TopoDS_Shape& cell : cells) {
+      if (inside(cell) && hasVolume(cell, options_.diagonal)) solids.push_back(cell);
+    }
+    Assembly result;
+    result.way = way;
+    result.shape = asOne(solids);
+    if (result.shape.IsNull()) return result;
+    if (!BRepCheck_Analyzer(result.shape).IsValid()) repair(result);
+    result.openEdges = countOpenEdges(result.shape);
+    return result;
+  }
+
+  /// Missing degenerated edges and loose tolerances are what is commonly wrong.
+  void repair(Assembly& result) {
+    ShapeFix_Shape fix(result.shape);
+    fix.SetPrecision(1e-7 * options_.diagonal);
+    fix.SetMaxTolerance(1e-4 * options_.diagonal);
+    fix.Perform();
+    const std::vector<TopoDS_Shape> solids = partsOf(fix.Shape(), TopAbs_SOLID);
+    if (!solids.empty()) {
+      result.shape = asOne(solids);
+      result.way += ", repaired";
+    }
+  }
+
+  Assembly fromPieces() { return finish(cellsOf(live()), "pieces"); }
+
+  Assembly fromSewnPieces() {
+    BRepBuilderAPI_Sewing sewing(options_.sewTolerance);
+    for (const TopoDS_Shape& face : live()) sewing.Add(face);
+    sewing.Perform();
+    return finish(cellsOf(partsOf(sewing.SewedShape(), TopAbs_FACE)), "sewn pieces");
+  }
+
+  Assembly fromCells() {
+    std::vector<TopoDS_Shape> all;
+    for (const JudgedFace& j : faces_) all.push_back(j.face);
+    TopTools_IndexedDataMapOfShapeListOfShape users;
+    for (const TopoDS_Shape& cell : cellsOf(all)) {
+      if (inside(cell)) TopExp::MapShapesAndAncestors(cell, TopAbs_FACE, TopAbs_SOLID, users);
+    }
+    std::vector<TopoDS_Shape> boundary;
+    for (int i = 1; i <= users.Extent(); ++i) {
+      if (users(i).Extent() == 1) boundary.push_back(users.FindKey(i));
+    }
+    return finish(cellsOf(boundary), "cells");
+  }
+
+ private:
+  std::vector<TopoDS_Shape> live() const {
+    std::vector<TopoDS_Shape> result;
+    for (const JudgedFace& j : faces_) {
+      if (j.live) result.push_back(j.face);
+    }
+    return result;
+  }
+
+  const std::vector<JudgedFace>& faces_;
+  AssembleOptions options_;
+  const TrueDistance& phi_;
+  TopTools_DataMapOfShapeInteger index_;
+};
+
+}  // namespace
+
+int countOpenEdges(const TopoDS_Shape& shape) {
+  int open = 0;
+  for (const TopoDS_Shape& shell : partsOf(shape, TopAbs_SHELL)) {
+    TopTools_DataMapOfShapeInteger uses;
+    TopTools_IndexedMapOfShape edges;
+    for (TopExp_Explorer it(shell, TopAbs_EDGE); it.More(); it.Next()) {
+      if (BRep_Tool::Degenerated(TopoDS::Edge(it.Current()))) continue;
+      edges.Add(it.Current());
+      if (uses.IsBound(it.Current()))
+        ++uses.ChangeFind(it.Current());
+      else
+        uses.Bind(it.Current(), 1);
+    }
+    for (int i = 1; i <= edges.Extent(); ++i) open += uses.Find(edges(i)) == 2 ? 0 : 1;
+  }
+  return open;
+}
+
+Assembly assembleSolids(const std::vector<JudgedFace>& faces, const AssembleOptions& options,
+                        const TrueDistance& phi) {
+  Assembler assembler(faces, options, phi);
+  std::vector<std::function<Assembly()>> ways{[&] { return assembler.fromPieces(); }};
+  if (options.sewTolerance > 0) ways.push_back([&] { return assembler.fromSewnPieces(); });
+  ways.push_back([&] { return assembler.fromCells(); });
+  Assembly best;
+  for (const auto& way : ways) {
+    try {
+      Assembly result = way();
+      if (result.shape.IsNull()) continue;
+      const bool closed = result.openEdges == 0;
+      if (best.shape.IsNull() || result.openEdges < best.openEdges) best = std::move(result);
+      if (closed && BRepCheck_Analyzer(best.shape).IsValid()) break;
+    } catch (const Standard_Failure&) {
+      continue;  // the next way
+    }
+  }
+  return best;
+}
+
+Assembly assembleSheet(const std::vector<JudgedFace>& faces, const AssembleOptions& options,
+                       const TrueDistance& phi) {
+  BRepBuilderAPI_Sewing sewing(std::max(options.sewTolerance, kNoVolume * options.diagonal));
+  for (const JudgedFace& j : faces) {
+    if (!j.live) continue;
+    const FaceSample& s = j.samples.front();
+    const bool along = facesOutward(s, s.normal, kStep * std::abs(options.distance), phi);
+    sewing.Add(along ? TopoDS_Shape(j.face) : j.face.Reversed());
+  }
+  sewing.Perform();
+  Assembly result;
+  result.way = "sewn sheet";
+  result.shape = sewing.SewedShape();
+  if (partsOf(result.shape, TopAbs_FACE).empty()) result.shape.Nullify();
+  return result;
+}
+
+}  // namespace phront::cad

@@ -1,0 +1,38 @@
+// From pieces that lie on the offset to solids and sheets.
+#pragma once
+
+#include <TopoDS_Shape.hxx>
+#include <string>
+#include <vector>
+
+#include "rebuild/select.h"
+#include "rebuild/true_distance.h"
+
+namespace phront::cad {
+
+struct AssembleOptions {
+  double distance = 0;      ///< mm, signed
+  double diagonal = 0;      ///< mm
+  double sewTolerance = 0;  ///< mm; 0: no sewing
+};
+
+struct Assembly {
+  TopoDS_Shape shape;  ///< null when no solid came out
+  int openEdges = 0;   ///< edges not used exactly twice in their shell
+  std::string way;     ///< "pieces", "sewn pieces", "cells"
+};
+
+/// Solids bounded by the live pieces; tried in turn: the pieces as they are, sewn, and the cells
+/// that all pieces (dead ones too) divide space into. The first that closes wins, else the one with
+/// the fewest open edges.
+[[nodiscard]] Assembly assembleSolids(const std::vector<JudgedFace>& faces,
+                                      const AssembleOptions& options, const TrueDistance& phi);
+
+/// Live pieces sewn, facing along (d > 0) the normals of the input.
+[[nodiscard]] Assembly assembleSheet(const std::vector<JudgedFace>& faces,
+                                     const AssembleOptions& options, const TrueDistance& phi);
+
+/// Edges (degenerated ones aside) that their shell does not use exactly twice.
+[[nodiscard]] int countOpenEdges(const TopoDS_Shape& shape);
+
+}  // namespace phront::cad

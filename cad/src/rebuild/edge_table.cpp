@@ -1,0 +1,101 @@
+// Convexity is sampled: the angle between the two outward normals, signed by the edge's direction
+// in the first face, (n1 x n2).t > 0 for a convex edge. An edge may change from convex to concave;
+// it gets a pipe when it is convex anywhere.
+#include "rebuild/edge_table.h"
+
+#include <BRepAdaptor_Curve.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom2d_Curve.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
+#include <TopTools_ListOfShape.hxx>
+#include <TopoDS.hxx>
+#include <algorithm>
+#include <cmath>
+
+#include "rebuild/patch_tools.h"
+
+namespace phront::cad {
+namespace {
+
+constexpr int kEdgeSamples = 9;
+
+/// The edge as the face uses it, with its orientation there; null when it is not the face's.
+TopoDS_Edge useInFace(const TopoDS_Edge& edge, const TopoDS_Face& face) {
+  for (const TopoDS_Edge& candidate : edgesOf(face)) {
+    if (candidate.IsSame(edge)) return candidate;
+  }
+  return {};
+}
+
+std::optional<gp_Vec> normalAlong(const TopoDS_Edge& use, const TopoDS_Face& face, double share) {
+  double first = 0;
+  double last = 0;
+  const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(use, face, first, last);
+  if (curve.IsNull()) return std::nullopt;
+  return outwardNormal(face, curve->Value(first + share * (last - first)));
+}
+
+void sampleEdge(EdgeInfo& info, const TopoDS_Face& face1, const TopoDS_Face& face2, double side) {
+  const TopoDS_Edge use1 = useInFace(info.edge, face1);
+  const TopoDS_Edge use2 = useInFace(info.edge, face2);
+  if (use1.IsNull() || use2.IsNull()) return;
+  const BRepAdaptor_Curve curve(info.edge);
+  const double direction = use1.Orientation() == TopAbs_REVERSED ? -1 : 1;
+  for (int i = 0; i < kEdgeSamples; ++i) {
+    const double share = static_cast<double>(i) / (kEdgeSamples - 1);
+    EdgeSample s;
+    s.t = curve.FirstParameter() + share * (curve.LastParameter() - curve.FirstParameter());
+    curve.D1(s.t, s.point, s.tangent);
+    const std::optional<gp_Vec> n1 = normalAlong(use1, face1, share);
+    const std::optional<gp_Vec> n2 = normalAlong(use2, face2, share);
+    if (!n1 || !n2 || s.tangent.Magnitude() < 1e-12) continue;
+    s.tangent.Normalize();
+    // Both the normals and the sense of "convex" turn with the side.
+    s.angle = side * std::atan2(direction * n1->Crossed(*n2).Dot(s.tangent), n1->Dot(*n2));
+    s.n1 = *n1 * side;
+    s.n2 = *n2 * side;
+    info.samples.push_back(s);
+  }
+}
+
+}  // namespace
+
+EdgeTable makeEdgeTable(const TopoDS_Shape& shape, double side, double smoothAngle) {
+  EdgeTable table;
+  TopExp::MapShapes(shape, TopAbs_FACE, table.faceIndex);
+  TopExp::MapShapes(shape, TopAbs_EDGE, table.edgeIndex);
+  TopExp::MapShapes(shape, TopAbs_VERTEX, table.vertexIndex);
+  for (int i = 1; i <= table.faceIndex.Extent(); ++i) {
+    table.faces.push_back(TopoDS::Face(table.faceIndex(i)));
+  }
+  TopTools_IndexedDataMapOfShapeListOfShape facesOfEdge;
+  TopExp::MapShapesAndAncestors(shape, TopAbs_EDGE, TopAbs_FACE, facesOfEdge);
+
+  for (int i = 1; i <= table.edgeIndex.Extent(); ++i) {
+    EdgeInfo info;
+    info.edge = TopoDS::Edge(table.edgeIndex(i).Oriented(TopAbs_FORWARD));
+    const TopTools_ListOfShape& users = facesOfEdge.FindFromKey(table.edgeIndex(i));
+    std::vector<int> faces;
+    for (const TopoDS_Shape& user : users) faces.push_back(table.faceIndex.FindIndex(user) - 1);
+    if (!faces.empty()) info.face1 = faces[0];
+    if (faces.size() > 1) info.face2 = faces[1];
+    if (faces.size() > 2) ++table.nonManifold;
+    const bool seam = info.face1 == info.face2;
+    if (!BRep_Tool::Degenerated(info.edge) && info.face2 >= 0 && !seam && faces.size() == 2) {
+      sampleEdge(info, table.faces[static_cast<std::size_t>(info.face1)],
+                 table.faces[static_cast<std::size_t>(info.face2)], side);
+    }
+    double convex = 0;
+    for (const EdgeSample& s : info.samples) {
+      info.largestAngle = std::max(info.largestAngle, std::abs(s.angle));
+      convex = std::max(convex, s.angle);
+    }
+    info.smooth = !info.samples.empty() && info.largestAngle < smoothAngle;
+    info.pipe = convex >= smoothAngle;
+    table.edges.push_back(info);
+  }
+  return table;
+}
+
+}  // namespace phront::cad

@@ -1,0 +1,91 @@
+// One attempt, step by step: heal, raw complex of exact patches, drop what is proven dead, General
+// Fuse, phi decides, assemble. Each step leaves a line in the notes.
+#include "rebuild/exact_offset.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "rebuild/assemble.h"
+#include "rebuild/fuse.h"
+#include "rebuild/heal.h"
+#include "rebuild/patch_tools.h"
+#include "rebuild/raw_complex.h"
+#include "rebuild/select.h"
+
+namespace phront::cad {
+namespace {
+
+/// Of the diagonal: how far the level of a piece may be off d. Approximated curves and pipes are
+/// good to a tenth of it.
+constexpr double kLevelTolerance = 1e-5;
+constexpr double kApproximation = 1e-6;
+
+}  // namespace
+
+Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, double distance,
+                                     const TrueDistance& phi, const AttemptSetting& setting) {
+  if (!std::isfinite(distance) || distance == 0) {
+    return fail(ErrorCode::InvalidArgument, "the distance must be a number other than 0");
+  }
+  AttemptResult result;
+  const double diagonal = diagonalOf(body);
+  HealedShape healed = heal(
+      body,
+      {.tolerance = 1e-5 * diagonal, .canonical = setting.canonical, .unify = setting.unifyInput});
+  result.notes = std::move(healed.notes);
+
+  RawComplex raw = buildRawComplex(healed.shape, {.distance = distance,
+                                                  .smoothAngle = setting.smoothTolerance,
+                                                  .tolerance = kApproximation * diagonal});
+  result.notes.insert(result.notes.end(), raw.notes.begin(), raw.notes.end());
+  result.rawFaces = static_cast<int>(raw.faces.size());
+
+  const double levelTolerance = kLevelTolerance * diagonal;
+  if (setting.dropDeadPatches) {
+    const auto dead = [&](const TopoDS_Face& f) {
+      return provenDead(f, distance, 10 * levelTolerance, phi);
+    };
+    const auto end = std::remove_if(raw.faces.begin(), raw.faces.end(), dead);
+    const auto count = raw.faces.end() - end;
+    raw.faces.erase(end, raw.faces.end());
+    if (count > 0) result.notes.push_back(fmt::format("{} patches proven dead", count));
+  }
+
+  const Result<std::vector<TopoDS_Face>> split = splitFaces(raw.faces, setting.fuzzy * diagonal);
+  if (!split) return tl::unexpected<Error>(split.error());
+  result.splitFaces = static_cast<int>(split->size());
+
+  const std::vector<JudgedFace> judged = judgeFaces(*split, solid, distance, levelTolerance, phi);
+  result.keptFaces = static_cast<int>(
+      std::count_if(judged.begin(), judged.end(), [](const JudgedFace& j) { return j.live; }));
+  if (result.keptFaces == 0) {
+    result.notes.push_back("no piece of any patch lies on the offset");
+    return result;
+  }
+
+  const AssembleOptions options{
+      .distance = distance, .diagonal = diagonal, .sewTolerance = setting.sewTolerance * diagonal};
+  Assembly assembly =
+      solid ? assembleSolids(judged, options, phi) : assembleSheet(judged, options, phi);
+  result.openEdges = assembly.openEdges;
+  result.shape = assembly.shape;
+  if (result.shape.IsNull()) {
+    return fail(ErrorCode::Failed,
+                fmt::format("{} of {} pieces lie on the offset but enclose nothing",
+                            result.keptFaces, result.splitFaces));
+  }
+  if (solid && result.openEdges > 0) {
+    return fail(ErrorCode::Failed,
+                fmt::format("{} of {} pieces lie on the offset, {} edges stay open",
+                            result.keptFaces, result.splitFaces, result.openEdges));
+  }
+  result.notes.push_back(fmt::format("{} patches, {} pieces, {} on the offset, closed from {}",
+                                     result.rawFaces, result.splitFaces, result.keptFaces,
+                                     assembly.way));
+  return result;
+}
+
+}  // namespace phront::cad

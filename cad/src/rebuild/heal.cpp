@@ -1,0 +1,101 @@
+// Offsetting asks more of a shape than validity does. C0 B-splines have no offset surface: they are
+// divided where they are not C1. A closed face or a closed edge meets itself at its seam, where the
+// images of its two sides are different curves: both are cut in halves. Faces on one surface
+// may be merged first, which takes away the seams between them.
+// Weak spot: a division that OpenCASCADE gets wrong is seen only by area and validity.
+#include "rebuild/heal.h"
+
+#include <BRepBuilderAPI_Copy.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
+#include <GProp_GProps.hxx>
+#include <ShapeUpgrade_ShapeDivideClosed.hxx>
+#include <ShapeUpgrade_ShapeDivideClosedEdges.hxx>
+#include <ShapeUpgrade_ShapeDivideContinuity.hxx>
+#include <ShapeUpgrade_UnifySameDomain.hxx>
+#include <Standard_Failure.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <cmath>
+
+namespace phront::cad {
+namespace {
+
+/// Relative change of area that a step may make: the divisions only cut.
+constexpr double kAreaChange = 1e-4;
+
+double areaOf(const TopoDS_Shape& shape) {
+  GProp_GProps properties;
+  BRepGProp::SurfaceProperties(shape, properties);
+  return properties.Mass();
+}
+
+int facesOf(const TopoDS_Shape& shape) {
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  return faces.Extent();
+}
+
+/// Takes the step's result when it changed something and kept the area.
+template <class Step>
+void apply(HealedShape& healed, const std::string& name, Step&& step) {
+  try {
+    const TopoDS_Shape before = healed.shape;
+    const TopoDS_Shape after = step(before);
+    if (after.IsNull() || after.IsSame(before)) return;
+    const double area = areaOf(before);
+    const bool wasValid = BRepCheck_Analyzer(before).IsValid();
+    if (std::abs(areaOf(after) - area) > kAreaChange * area ||
+        (wasValid && !BRepCheck_Analyzer(after).IsValid())) {
+      healed.notes.push_back(name + " changed the shape and was left out");
+      return;
+    }
+    healed.shape = after;
+    healed.notes.push_back(name + ": " + std::to_string(facesOf(before)) + " faces become " +
+                           std::to_string(facesOf(after)));
+  } catch (const Standard_Failure&) {
+    healed.notes.push_back(name + " failed and was left out");
+  }
+}
+
+TopoDS_Shape divideContinuity(const TopoDS_Shape& shape, double tolerance) {
+  ShapeUpgrade_ShapeDivideContinuity divide(shape);
+  divide.SetTolerance(tolerance);
+  divide.SetBoundaryCriterion(GeomAbs_C1);
+  divide.SetPCurveCriterion(GeomAbs_C1);
+  divide.SetSurfaceCriterion(GeomAbs_C1);
+  return divide.Perform() ? divide.Result() : shape;
+}
+
+TopoDS_Shape divideClosed(const TopoDS_Shape& shape) {
+  ShapeUpgrade_ShapeDivideClosed divide(shape);
+  divide.SetNbSplitPoints(1);
+  return divide.Perform() ? divide.Result() : shape;
+}
+
+TopoDS_Shape divideClosedEdges(const TopoDS_Shape& shape) {
+  ShapeUpgrade_ShapeDivideClosedEdges divide(shape);
+  divide.SetNbSplitPoints(1);
+  return divide.Perform() ? divide.Result() : shape;
+}
+
+TopoDS_Shape unify(const TopoDS_Shape& shape) {
+  ShapeUpgrade_UnifySameDomain unifier(shape, Standard_True, Standard_True, Standard_False);
+  unifier.Build();
+  return unifier.Shape();
+}
+
+}  // namespace
+
+HealedShape heal(const TopoDS_Shape& body, const HealOptions& options) {
+  HealedShape healed;
+  healed.shape = BRepBuilderAPI_Copy(body).Shape();
+  if (options.unify) apply(healed, "merging faces", unify);
+  apply(healed, "division at kinks",
+        [&](const TopoDS_Shape& s) { return divideContinuity(s, options.tolerance); });
+  apply(healed, "division of closed faces", divideClosed);
+  apply(healed, "division of closed edges", divideClosedEdges);
+  return healed;
+}
+
+}  // namespace phront::cad

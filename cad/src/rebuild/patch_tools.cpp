@@ -1,0 +1,232 @@
+// Every edge of a patch carries its exact 3D curve first (line, circle, image of a parameter
+// curve); the parameter curve on a new face is then a straight segment over the same range, and the
+// distance between the two is measured and written into the tolerances instead of being assumed.
+#include "rebuild/patch_tools.h"
+
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepBndLib.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
+#include <Geom2d_BSplineCurve.hxx>
+#include <Geom2d_Line.hxx>
+#include <Geom_Circle.hxx>
+#include <Precision.hxx>
+#include <TColStd_Array1OfInteger.hxx>
+#include <TColStd_Array1OfReal.hxx>
+#include <TColgp_Array1OfPnt2d.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Iterator.hxx>
+#include <TopoDS_Wire.hxx>
+#include <algorithm>
+#include <cmath>
+#include <gp_Ax2.hxx>
+
+namespace phront::cad {
+namespace {
+
+/// Share of the parameter box by which a singular point is left; 1e-3 was seen to spoil the merging
+/// of vertices, 1e-7 not.
+constexpr double kNudge = 1e-7;
+
+std::optional<gp_Vec> rawNormal(const BRepAdaptor_Surface& surface, double u, double v) {
+  gp_Pnt p;
+  gp_Vec du;
+  gp_Vec dv;
+  surface.D1(u, v, p, du, dv);
+  const gp_Vec n = du.Crossed(dv);
+  // Singular where the two derivatives vanish or are parallel.
+  if (n.Magnitude() <= 1e-9 * std::max({du.SquareMagnitude(), dv.SquareMagnitude(), 1e-30})) {
+    return std::nullopt;
+  }
+  return n.Normalized();
+}
+
+Handle(Geom2d_Curve) segment(const gp_Pnt2d& a, const gp_Pnt2d& b, double first, double last) {
+  const double length = a.Distance(b);
+  if (std::abs(length - (last - first)) <= 1e-12 * std::max(1.0, length) && length > 0) {
+    const gp_Dir2d direction(b.X() - a.X(), b.Y() - a.Y());
+    const gp_Vec2d back(direction);
+    return new Geom2d_Line(a.Translated(back * -first), direction);
+  }
+  TColgp_Array1OfPnt2d poles(1, 2);
+  poles(1) = a;
+  poles(2) = b;
+  TColStd_Array1OfReal knots(1, 2);
+  knots(1) = first;
+  knots(2) = last;
+  TColStd_Array1OfInteger multiplicities(1, 2);
+  multiplicities(1) = 2;
+  multiplicities(2) = 2;
+  return new Geom2d_BSplineCurve(poles, knots, multiplicities, 1);
+}
+
+double signedArea(const std::vector<PatchSide>& sides, const std::vector<bool>& reversed) {
+  double twice = 0;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const gp_Pnt2d& a = reversed[i] ? sides[i].last : sides[i].first;
+    const gp_Pnt2d& b = reversed[i] ? sides[i].first : sides[i].last;
+    twice += a.X() * b.Y() - a.Y() * b.X();
+  }
+  return twice / 2;
+}
+
+}  // namespace
+
+std::optional<gp_Vec> outwardNormal(const TopoDS_Face& face, const gp_Pnt2d& uv) {
+  const BRepAdaptor_Surface surface(face, Standard_False);
+  std::optional<gp_Vec> n = rawNormal(surface, uv.X(), uv.Y());
+  if (!n) {
+    double u0 = 0;
+    double u1 = 0;
+    double v0 = 0;
+    double v1 = 0;
+    BRepTools::UVBounds(face, u0, u1, v0, v1);
+    const double u = uv.X() + kNudge * ((u0 + u1) / 2 - uv.X());
+    const double v = uv.Y() + kNudge * ((v0 + v1) / 2 - uv.Y());
+    n = rawNormal(surface, u, v);
+  }
+  if (n && face.Orientation() == TopAbs_REVERSED) n->Reverse();
+  return n;
+}
+
+std::vector<TopoDS_Edge> edgesOf(const TopoDS_Face& face) {
+  std::vector<TopoDS_Edge> edges;
+  for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
+    edges.push_back(TopoDS::Edge(it.Current()));
+  }
+  return edges;
+}
+
+double diagonalOf(const TopoDS_Shape& shape) {
+  Bnd_Box box;
+  BRepBndLib::Add(shape, box, Standard_False);
+  return box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
+}
+
+TopoDS_Vertex makeVertex(const gp_Pnt& point, double tolerance) {
+  TopoDS_Vertex vertex;
+  BRep_Builder().MakeVertex(vertex, point, tolerance);
+  return vertex;
+}
+
+double raiseTolerance(const TopoDS_Edge& edge, const TopoDS_Face& face) {
+  constexpr int kSamples = 23;
+  double first = 0;
+  double last = 0;
+  TopLoc_Location location;
+  const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, location, first, last);
+  double first2d = 0;
+  double last2d = 0;
+  const Handle(Geom2d_Curve) pcurve = BRep_Tool::CurveOnSurface(edge, face, first2d, last2d);
+  if (curve.IsNull() || pcurve.IsNull()) return 0;
+  const BRepAdaptor_Surface surface(face, Standard_False);
+  double worst = 0;
+  for (int i = 0; i < kSamples; ++i) {
+    const double s = static_cast<double>(i) / (kSamples - 1);
+    const gp_Pnt2d uv = pcurve->Value(first2d + s * (last2d - first2d));
+    gp_Pnt onCurve = curve->Value(first + s * (last - first));
+    onCurve.Transform(location.Transformation());
+    worst = std::max(worst, onCurve.Distance(surface.Value(uv.X(), uv.Y())));
+  }
+  // Between the samples the distance may be a little larger.
+  const double tolerance = std::max(1.1 * worst, Precision::Confusion());
+  const BRep_Builder builder;
+  builder.UpdateEdge(edge, tolerance);
+  for (TopoDS_Iterator it(edge); it.More(); it.Next()) {
+    builder.UpdateVertex(TopoDS::Vertex(it.Value()), tolerance);
+  }
+  return worst;
+}
+
+TopoDS_Edge ArcPool::arc(const gp_Pnt& centre, const gp_Vec& axis, double radius,
+                         const TopoDS_Vertex& from, const TopoDS_Vertex& to) {
+  const gp_Pnt a = BRep_Tool::Pnt(from);
+  const gp_Pnt b = BRep_Tool::Pnt(to);
+  const gp_Vec x(centre, a);
+  const gp_Vec y = axis.Crossed(x);
+  const gp_Vec toB(centre, b);
+  double angle = std::atan2(toB.Dot(y.Normalized()), toB.Dot(x.Normalized()));
+  if (angle < 0) angle += 2 * M_PI;
+  const gp_Ax2 frame(centre, gp_Dir(axis), gp_Dir(x));
+  const Handle(Geom_Circle) circle = new Geom_Circle(frame, radius);
+  const gp_Pnt middle = circle->Value(angle / 2);
+
+  Key key(from.TShape().get(), to.TShape().get());
+  if (key.second < key.first) std::swap(key.first, key.second);
+  for (const Entry& entry : arcs_[key]) {
+    if (entry.middle.Distance(middle) < 1e-3 * radius) return entry.edge;
+  }
+  const BRep_Builder builder;
+  TopoDS_Edge edge;
+  builder.MakeEdge(edge, circle, Precision::Confusion());
+  builder.Add(edge, from.Oriented(TopAbs_FORWARD));
+  builder.Add(edge, to.Oriented(TopAbs_REVERSED));
+  builder.Range(edge, 0, angle);
+  const double gap = std::max(circle->Value(0).Distance(a), circle->Value(angle).Distance(b));
+  builder.UpdateVertex(from, std::max(1.1 * gap, Precision::Confusion()));
+  builder.UpdateVertex(to, std::max(1.1 * gap, Precision::Confusion()));
+  arcs_[key].push_back({edge, middle});
+  return edge;
+}
+
+TopoDS_Face faceFromSides(const Handle(Geom_Surface) & surface, const std::vector<PatchSide>& sides,
+                          double tolerance) {
+  const BRep_Builder builder;
+  TopoDS_Face face;
+  builder.MakeFace(face, surface, tolerance);
+
+  // Sides are chained by their corners in (u,v): a side is reversed when its last corner is nearer
+  // to the end of the side before.
+  std::vector<bool> reversed(sides.size(), false);
+  if (sides.size() > 1) {
+    const auto meets = [](const gp_Pnt2d& p, const PatchSide& s) {
+      return std::min(p.Distance(s.first), p.Distance(s.last));
+    };
+    reversed[0] = meets(sides[0].first, sides[1]) < meets(sides[0].last, sides[1]);
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+      const gp_Pnt2d& end = reversed[i - 1] ? sides[i - 1].first : sides[i - 1].last;
+      reversed[i] = end.Distance(sides[i].last) < end.Distance(sides[i].first);
+    }
+  }
+  const bool clockwise = signedArea(sides, reversed) < 0;
+
+  std::vector<TopoDS_Edge> ordered;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const PatchSide& side = sides[i];
+    TopoDS_Edge edge = TopoDS::Edge(side.edge.Oriented(TopAbs_FORWARD));
+    double first = 0;
+    double last = side.first.Distance(side.last);
+    if (side.degenerated) {
+      builder.MakeEdge(edge);
+      builder.Degenerated(edge, Standard_True);
+      builder.Add(edge, side.pole.Oriented(TopAbs_FORWARD));
+      builder.Add(edge, side.pole.Oriented(TopAbs_REVERSED));
+    } else {
+      BRep_Tool::Range(edge, first, last);
+    }
+    builder.UpdateEdge(edge, segment(side.first, side.last, first, last), face, tolerance);
+    builder.Range(edge, face, first, last);
+    if (side.degenerated)
+      builder.Range(edge, first, last);
+    else
+      raiseTolerance(edge, face);
+    ordered.push_back(TopoDS::Edge(reversed[i] ? edge.Reversed() : edge));
+  }
+  TopoDS_Wire wire;
+  builder.MakeWire(wire);
+  if (clockwise) {
+    for (auto it = ordered.rbegin(); it != ordered.rend(); ++it) builder.Add(wire, it->Reversed());
+  } else {
+    for (const TopoDS_Edge& edge : ordered) builder.Add(wire, edge);
+  }
+  wire.Closed(Standard_True);
+  builder.Add(face, wire);
+  BRepTools::Update(face);
+  return face;
+}
+
+}  // namespace phront::cad

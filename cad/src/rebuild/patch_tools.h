@@ -1,0 +1,73 @@
+// Small tools for building patches: normals, arcs, faces on parameter rectangles with shared edges.
+#pragma once
+
+#include <Geom2d_Curve.hxx>
+#include <Geom_Surface.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <array>
+#include <gp_Pnt.hxx>
+#include <gp_Pnt2d.hxx>
+#include <gp_Vec.hxx>
+#include <map>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace phront::cad {
+
+/// Directions closer than this (rad) count as one; OpenCASCADE's own angular tolerance is 1e-12,
+/// imported models are good to about 1e-6.
+inline constexpr double kAngularTolerance = 1e-6;
+
+/// Outward unit normal of an oriented face at (u,v). At singular parameters the normal a little
+/// inside the face's parameter box. Empty when there is none.
+[[nodiscard]] std::optional<gp_Vec> outwardNormal(const TopoDS_Face& face, const gp_Pnt2d& uv);
+
+/// The face's orientation-composed edges, degenerated ones included, in wire order.
+[[nodiscard]] std::vector<TopoDS_Edge> edgesOf(const TopoDS_Face& face);
+
+/// Diagonal of the bounding box.
+[[nodiscard]] double diagonalOf(const TopoDS_Shape& shape);
+
+/// Vertex as a point.
+[[nodiscard]] TopoDS_Vertex makeVertex(const gp_Pnt& point, double tolerance);
+
+/// Largest distance between the edge's curve and its parameter curve on the face; the edge's and
+/// its vertices' tolerances are raised to it.
+double raiseTolerance(const TopoDS_Edge& edge, const TopoDS_Face& face);
+
+/// Circle arcs about the vertices of the input, shared by every patch that ends on them.
+class ArcPool {
+ public:
+  /// Arc of the given radius about `centre` from `from` to `to`, turning about `axis` by less than
+  /// a full turn. The same pair of vertices gives the same edge (whichever way it is asked for).
+  TopoDS_Edge arc(const gp_Pnt& centre, const gp_Vec& axis, double radius,
+                  const TopoDS_Vertex& from, const TopoDS_Vertex& to);
+
+ private:
+  using Key = std::pair<const void*, const void*>;
+  struct Entry {
+    TopoDS_Edge edge;
+    gp_Pnt middle;
+  };
+  std::map<Key, std::vector<Entry>> arcs_;  ///< looked up only, never iterated
+};
+
+/// One side of a patch: an existing edge, and where its first and last parameter lie in (u,v).
+/// A null edge asks for a new one between the two corners; `degenerated` for a pole.
+struct PatchSide {
+  TopoDS_Edge edge;
+  gp_Pnt2d first;
+  gp_Pnt2d last;
+  bool degenerated = false;
+  TopoDS_Vertex pole;  ///< vertex of a degenerated side
+};
+
+/// Face on `surface` whose wire runs through `sides` counter-clockwise in (u,v); sides whose edge
+/// runs the other way are reversed. Parameter curves are straight lines in (u,v). Null on failure.
+[[nodiscard]] TopoDS_Face faceFromSides(const Handle(Geom_Surface) & surface,
+                                        const std::vector<PatchSide>& sides, double tolerance);
+
+}  // namespace phront::cad

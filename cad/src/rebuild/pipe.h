@@ -1,0 +1,49 @@
+// Pipes: the part of the offset whose feet lie on a convex edge.
+#pragma once
+
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <optional>
+#include <vector>
+
+#include "rebuild/edge_table.h"
+#include "rebuild/patch_tools.h"
+
+namespace phront::cad {
+
+/// What a pipe is built between. `image1`, `image2` may be null: they are then made anew.
+struct PipeFrame {
+  const EdgeInfo* info = nullptr;
+  double radius = 0;     ///< |d|
+  double tolerance = 0;  ///< mm, approximation
+  TopoDS_Edge image1;
+  TopoDS_Edge image2;
+  TopoDS_Vertex first1;  ///< images of the edge's first vertex in face 1 and 2
+  TopoDS_Vertex first2;
+  TopoDS_Vertex last1;
+  TopoDS_Vertex last2;
+};
+
+/// Vertices found by place: apices shared by the pipes that end there.
+class PointPool {
+ public:
+  TopoDS_Vertex at(const gp_Pnt& point, double tolerance);
+
+ private:
+  std::vector<TopoDS_Vertex> vertices_;
+};
+
+/// Piece of a cylinder round a straight edge with constant normals; nullopt when it is not one.
+[[nodiscard]] std::optional<std::vector<TopoDS_Face>> linePipe(const PipeFrame& frame,
+                                                               ArcPool& arcs);
+
+/// Pieces of a torus round a circular edge with constant normals, cut at the apex when the edge's
+/// radius is below |d|; empty list when nothing is left; nullopt when it is no such edge.
+[[nodiscard]] std::optional<std::vector<TopoDS_Face>> circlePipe(const PipeFrame& frame,
+                                                                 ArcPool& arcs, PointPool& apices);
+
+/// Swept surface round any other edge. Throws Standard_Failure when OpenCASCADE gives up.
+[[nodiscard]] TopoDS_Face sweptPipe(const PipeFrame& frame, ArcPool& arcs);
+
+}  // namespace phront::cad

@@ -1,0 +1,44 @@
+// phi decides: which patches and which of their pieces lie on the offset.
+#pragma once
+
+#include <TopoDS_Face.hxx>
+#include <gp_Pnt.hxx>
+#include <gp_Vec.hxx>
+#include <vector>
+
+#include "rebuild/true_distance.h"
+
+namespace phront::cad {
+
+struct FaceSample {
+  gp_Pnt point;
+  gp_Vec normal;  ///< of the oriented face
+};
+
+struct JudgedFace {
+  TopoDS_Face face;
+  std::vector<FaceSample> samples;  ///< inside the face; empty: no point was found
+  double deviation = 0;             ///< mm, median of |phi - d| over the samples
+  double level = 0;                 ///< mm, median of phi
+  bool live = false;
+};
+
+/// Points inside the face: one by OpenCASCADE, others on parameter lines.
+[[nodiscard]] std::vector<FaceSample> interiorSamples(const TopoDS_Face& face);
+
+/// Live pieces: the median sample has |phi - d| <= tolerance. Sheets: the foot must not lie on a
+/// free edge.
+[[nodiscard]] std::vector<JudgedFace> judgeFaces(const std::vector<TopoDS_Face>& faces, bool solid,
+                                                 double distance, double tolerance,
+                                                 const TrueDistance& phi);
+
+/// True when the 1-Lipschitz bound proves that no point of the patch is within `tolerance` of the
+/// level d. Never true for a patch with a live point.
+[[nodiscard]] bool provenDead(const TopoDS_Face& face, double distance, double tolerance,
+                              const TrueDistance& phi);
+
+/// True when phi grows along `normal` at the sample.
+[[nodiscard]] bool facesOutward(const FaceSample& sample, const gp_Vec& normal, double step,
+                                const TrueDistance& phi);
+
+}  // namespace phront::cad

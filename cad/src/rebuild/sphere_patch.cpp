@@ -1,0 +1,233 @@
+// The foot of x is the vertex V when x - V lies in the normal cone of V, the polar of the cone of
+// tangent directions: n.e <= 0 for every edge direction e that leaves V (Rossignac & Requicha 1986;
+// do Carmo for the polar). On the sphere that is a convex polygon of great-circle arcs. At a convex
+// vertex its arcs are the ends of the pipes; at a mixed vertex a part of some of them. A polygon
+// whose sides are not covered by pipe ends stems from the wrong side and is none.
+// The axis of the sphere lies across the middle of the patch and the seam opposite to it.
+// Weak spot: vertices where a face is singular (a pole) have no edge directions there.
+#include "rebuild/sphere_patch.h"
+
+#include <BRepTools.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <ElSLib.hxx>
+#include <Geom2dAPI_Interpolate.hxx>
+#include <Geom2d_BSplineCurve.hxx>
+#include <Geom_Curve.hxx>
+#include <Geom_SphericalSurface.hxx>
+#include <Precision.hxx>
+#include <TColStd_HArray1OfReal.hxx>
+#include <TColgp_HArray1OfPnt2d.hxx>
+#include <TopExp.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Wire.hxx>
+#include <algorithm>
+#include <cmath>
+#include <gp_Ax3.hxx>
+
+namespace phront::cad {
+namespace {
+
+/// Interpolation points of a parameter curve: a cubic through them stays within 1e-8 of the radius
+/// on a quarter circle.
+constexpr int kArcPoints = 81;
+
+struct Ray {
+  gp_Vec direction;  ///< unit, away from the vertex
+  bool smooth = false;
+  bool pipe = false;
+  gp_Vec n1;
+  gp_Vec n2;
+  int face1 = -1;
+  int face2 = -1;
+};
+
+std::vector<Ray> raysAt(const EdgeTable& table, const std::vector<int>& edges, int vertex) {
+  std::vector<Ray> rays;
+  for (const int e : edges) {
+    const EdgeInfo& info = table.edges[static_cast<std::size_t>(e)];
+    if (info.samples.empty()) continue;
+    TopoDS_Vertex first;
+    TopoDS_Vertex last;
+    TopExp::Vertices(info.edge, first, last);
+    for (const bool atFirst : {true, false}) {
+      const TopoDS_Vertex& end = atFirst ? first : last;
+      if (table.vertexIndex.FindIndex(end) - 1 != vertex) continue;
+      const EdgeSample& s = atFirst ? info.samples.front() : info.samples.back();
+      rays.push_back({atFirst ? s.tangent : s.tangent.Reversed(), info.smooth, info.pipe, s.n1,
+                      s.n2, info.face1, info.face2});
+    }
+  }
+  return rays;
+}
+
+/// Corners of the polygon {n : n.e <= 0}, in order about their mean; fewer than three: no polygon.
+std::vector<gp_Vec> polarPolygon(const std::vector<Ray>& rays) {
+  std::vector<gp_Vec> corners;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    for (std::size_t j = i + 1; j < rays.size(); ++j) {
+      gp_Vec n = rays[i].direction.Crossed(rays[j].direction);
+      if (rays[i].smooth || rays[j].smooth || n.Magnitude() < kAngularTolerance) continue;
+      n.Normalize();
+      for (const gp_Vec& candidate : {n, n.Reversed()}) {
+        const bool inside = std::all_of(rays.begin(), rays.end(), [&](const Ray& r) {
+          return candidate.Dot(r.direction) <= kAngularTolerance;
+        });
+        const bool known = std::any_of(corners.begin(), corners.end(), [&](const gp_Vec& c) {
+          return (c - candidate).Magnitude() < 10 * kAngularTolerance;
+        });
+        if (inside && !known) corners.push_back(candidate);
+      }
+    }
+  }
+  if (corners.size() < 3) return {};
+  gp_Vec mean(0, 0, 0);
+  for (const gp_Vec& c : corners) mean += c;
+  if (mean.Magnitude() < kAngularTolerance) return {};
+  mean.Normalize();
+  const gp_Vec x = mean.Crossed(corners[0].Crossed(mean)).Normalized();
+  const gp_Vec y = mean.Crossed(x);
+  std::stable_sort(corners.begin(), corners.end(), [&](const gp_Vec& a, const gp_Vec& b) {
+    return std::atan2(a.Dot(y), a.Dot(x)) < std::atan2(b.Dot(y), b.Dot(x));
+  });
+  return corners;
+}
+
+/// The pipe edge on whose end the side from a to b lies.
+const Ray* rayOfSide(const std::vector<Ray>& rays, const gp_Vec& a, const gp_Vec& b) {
+  const gp_Vec middle = (a + b).Normalized();
+  for (const Ray& ray : rays) {
+    if (!ray.pipe || std::abs(ray.direction.Dot(middle)) > 10 * kAngularTolerance ||
+        std::abs(ray.direction.Dot(a)) > 10 * kAngularTolerance) {
+      continue;
+    }
+    const double whole = ray.n1.Angle(ray.n2);
+    const double parts = ray.n1.Angle(middle) + middle.Angle(ray.n2);
+    if (parts < whole + 1e-4) return &ray;  // on the arc from n1 to n2
+  }
+  return nullptr;
+}
+
+/// Frame with the patch round u = pi, v = 0 and as little latitude as possible.
+gp_Ax3 patchFrame(const gp_Pnt& centre, const std::vector<gp_Vec>& corners) {
+  gp_Vec mean(0, 0, 0);
+  for (const gp_Vec& c : corners) mean += c;
+  const gp_Dir middle(mean);
+  const gp_Ax3 start(centre, middle);
+  gp_Dir best = start.XDirection();
+  double bestLatitude = 2;
+  constexpr int kTurns = 12;
+  for (int i = 0; i < kTurns; ++i) {
+    const double angle = M_PI * i / kTurns;
+    const gp_Vec axis =
+        gp_Vec(start.XDirection()) * std::cos(angle) + gp_Vec(start.YDirection()) * std::sin(angle);
+    double latitude = 0;
+    for (const gp_Vec& c : corners) latitude = std::max(latitude, std::abs(c.Dot(axis)));
+    if (latitude < bestLatitude - 1e-9) {
+      bestLatitude = latitude;
+      best = gp_Dir(axis);
+    }
+  }
+  return {centre, best, middle.Reversed()};
+}
+
+void addSphereCurve(const TopoDS_Edge& edge, const TopoDS_Face& face,
+                    const Handle(Geom_SphericalSurface) & sphere) {
+  double first = 0;
+  double last = 0;
+  const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, first, last);
+  const Handle(TColgp_HArray1OfPnt2d) points = new TColgp_HArray1OfPnt2d(1, kArcPoints);
+  const Handle(TColStd_HArray1OfReal) parameters = new TColStd_HArray1OfReal(1, kArcPoints);
+  for (int i = 0; i < kArcPoints; ++i) {
+    const double t = first + (last - first) * i / (kArcPoints - 1);
+    double u = 0;
+    double v = 0;
+    ElSLib::Parameters(sphere->Sphere(), curve->Value(t), u, v);
+    points->SetValue(i + 1, gp_Pnt2d(u, v));
+    parameters->SetValue(i + 1, t);
+  }
+  Geom2dAPI_Interpolate interpolation(points, parameters, Standard_False, 1e-12);
+  interpolation.Perform();
+  const BRep_Builder builder;
+  builder.UpdateEdge(edge, interpolation.Curve(), face, Precision::Confusion());
+  builder.Range(edge, face, first, last);
+  raiseTolerance(edge, face);
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> edgesAtVertices(const EdgeTable& table) {
+  std::vector<std::vector<int>> result(static_cast<std::size_t>(table.vertexIndex.Extent()));
+  for (std::size_t e = 0; e < table.edges.size(); ++e) {
+    TopoDS_Vertex ends[2];
+    TopExp::Vertices(table.edges[e].edge, ends[0], ends[1]);
+    for (int k = 0; k < 2; ++k) {
+      if (ends[k].IsNull() || (k == 1 && ends[1].IsSame(ends[0]))) continue;
+      result[static_cast<std::size_t>(table.vertexIndex.FindIndex(ends[k]) - 1)].push_back(
+          static_cast<int>(e));
+    }
+  }
+  return result;
+}
+
+TopoDS_Face spherePatch(const EdgeTable& table, const std::vector<int>& edges,
+                        const VertexImages& images, int vertex, double radius, double tolerance,
+                        ArcPool& arcs) {
+  const std::vector<Ray> rays = raysAt(table, edges, vertex);
+  const std::vector<gp_Vec> corners = polarPolygon(rays);
+  if (corners.size() < 3) return {};
+
+  // Width of the polygon: twice the area over the perimeter, as a length.
+  gp_Vec twiceArea(0, 0, 0);
+  double perimeter = 0;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const gp_Vec& a = corners[i];
+    const gp_Vec& b = corners[(i + 1) % corners.size()];
+    twiceArea += a.Crossed(b);
+    perimeter += (a - b).Magnitude();
+  }
+  if (radius * twiceArea.Magnitude() < tolerance * perimeter) return {};
+
+  const gp_Pnt centre = BRep_Tool::Pnt(TopoDS::Vertex(table.vertexIndex(vertex + 1)));
+  std::vector<TopoDS_Vertex> cornerVertices;
+  for (const gp_Vec& c : corners) {
+    TopoDS_Vertex found;
+    const gp_Pnt point = centre.Translated(c * radius);
+    for (const Ray& ray : rays) {
+      for (const int f : {ray.face1, ray.face2}) {
+        const TopoDS_Vertex image = images.image(vertex, f);
+        if (found.IsNull() && !image.IsNull() &&
+            BRep_Tool::Pnt(image).Distance(point) <
+                std::max(2 * BRep_Tool::Tolerance(image), 10 * kAngularTolerance * radius)) {
+          found = image;
+        }
+      }
+    }
+    cornerVertices.push_back(found.IsNull() ? makeVertex(point, Precision::Confusion()) : found);
+  }
+
+  const Handle(Geom_SphericalSurface) sphere =
+      new Geom_SphericalSurface(patchFrame(centre, corners), radius);
+  const BRep_Builder builder;
+  TopoDS_Face face;
+  builder.MakeFace(face, sphere, Precision::Confusion());
+  TopoDS_Wire wire;
+  builder.MakeWire(wire);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const std::size_t j = (i + 1) % corners.size();
+    if (cornerVertices[i].IsSame(cornerVertices[j])) continue;
+    if (rayOfSide(rays, corners[i], corners[j]) == nullptr) return {};
+    const TopoDS_Edge arc = arcs.arc(centre, corners[i].Crossed(corners[j]), radius,
+                                     cornerVertices[i], cornerVertices[j]);
+    addSphereCurve(arc, face, sphere);
+    // Counter-clockwise seen along the outward normal: a forward wire on the sphere.
+    const bool forward = TopExp::FirstVertex(arc).IsSame(cornerVertices[i]);
+    builder.Add(wire, arc.Oriented(forward ? TopAbs_FORWARD : TopAbs_REVERSED));
+  }
+  wire.Closed(Standard_True);
+  builder.Add(face, wire);
+  BRepTools::Update(face);
+  return face;
+}
+
+}  // namespace phront::cad

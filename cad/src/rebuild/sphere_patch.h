@@ -1,0 +1,23 @@
+// Sphere patches: the part of the offset whose feet are a convex vertex.
+#pragma once
+
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <vector>
+
+#include "rebuild/offset_face.h"
+#include "rebuild/patch_tools.h"
+
+namespace phront::cad {
+
+/// Patch of the sphere of radius |d| round a vertex, bounded by great-circle arcs; null when the
+/// normal cone of the vertex has no inside. `edges`: those at the vertex. `tolerance` mm: patches
+/// narrower than it are none.
+[[nodiscard]] TopoDS_Face spherePatch(const EdgeTable& table, const std::vector<int>& edges,
+                                      const VertexImages& images, int vertex, double radius,
+                                      double tolerance, ArcPool& arcs);
+
+/// Edges at each vertex, by index into EdgeTable::edges.
+[[nodiscard]] std::vector<std::vector<int>> edgesAtVertices(const EdgeTable& table);
+
+}  // namespace phront::cad
