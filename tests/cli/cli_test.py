@@ -1,0 +1,185 @@
+#!/usr/bin/env python3
+"""The phront executable as its user meets it: exit codes, sentences, files, same bits.
+
+Environment: PHRONT the executable, MAKE_BRACKET the generator of the sample part.
+"""
+
+import json
+import math
+import os
+import struct
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+PHRONT = os.environ["PHRONT"]
+MAKE_BRACKET = os.environ["MAKE_BRACKET"]
+LIMIT = 300
+
+
+def phront(*args: object) -> subprocess.CompletedProcess:
+    return subprocess.run(
+        [PHRONT, *map(str, args)], capture_output=True, text=True, timeout=LIMIT, check=False
+    )
+
+
+def write_box_stl(path: Path, size: float) -> None:
+    corners = [(x, y, z) for z in (0, size) for y in (0, size) for x in (0, size)]
+    quads = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    facets = [t for q in quads for t in ((q[0], q[1], q[2]), (q[0], q[2], q[3]))]
+    with path.open("wb") as file:
+        file.write(b"\0" * 80 + struct.pack("<I", len(facets)))
+        for facet in facets:
+            file.write(struct.pack("<3f", 0, 0, 0))
+            for corner in facet:
+                file.write(struct.pack("<3f", *corners[corner]))
+            file.write(b"\0\0")
+
+
+class CliTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.folder = Path(cls.temporary.name)
+        cls.part = cls.folder / "bracket.step"
+        subprocess.run([MAKE_BRACKET, str(cls.part)], check=True, timeout=LIMIT)
+        cls.box = cls.folder / "box.stl"
+        write_box_stl(cls.box, 10)
+
+    @classmethod
+    def tearDownClass(cls) -> None:
+        cls.temporary.cleanup()
+
+    def out(self, name: str) -> Path:
+        path = self.folder / name
+        path.unlink(missing_ok=True)
+        return path
+
+    def assert_one_sentence(self, run: subprocess.CompletedProcess) -> None:
+        lines = [line for line in run.stderr.splitlines() if line.startswith("phront: ")]
+        self.assertEqual(len(lines), 1, run.stderr)
+
+    # --- wrong usage: exit 2
+
+    def test_zero_nan_and_nonsense_distances_are_usage_errors(self) -> None:
+        for distance in ("0", "0mm", "nan", "inf", "abc", "2parsec", ""):
+            out = self.out("usage.step")
+            run = phront("offset", self.part, "-o", out, "-d", distance)
+            self.assertEqual(run.returncode, 2, distance + run.stderr)
+            self.assertFalse(out.exists())
+
+    def test_unknown_output_extension_is_named(self) -> None:
+        run = phront("offset", self.part, "-o", self.out("a.xyz"), "-d", "1")
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("xyz", run.stderr)
+
+    def test_output_equal_to_input_is_refused_and_input_untouched(self) -> None:
+        before = self.part.read_bytes()
+        run = phront("offset", self.part, "-o", self.part, "-d", "1")
+        self.assertEqual(run.returncode, 2)
+        self.assertEqual(self.part.read_bytes(), before)
+
+    def test_no_command_and_unknown_option(self) -> None:
+        self.assertEqual(phront().returncode, 2)
+        self.assertEqual(phront("offset", "--what").returncode, 2)
+        self.assertEqual(phront("--version").returncode, 0)
+        self.assertEqual(phront("offset", "-h").returncode, 0)
+
+    # --- unreadable input: exit 3
+
+    def test_missing_folder_empty_and_garbage_inputs(self) -> None:
+        empty = self.folder / "empty.step"
+        empty.touch()
+        garbage = self.folder / "garbage.step"
+        garbage.write_bytes(bytes(range(256)) * 20)
+        for bad in (self.folder / "none.step", self.folder, empty, garbage):
+            out = self.out("bad.step")
+            run = phront("offset", bad, "-o", out, "-d", "1")
+            self.assertEqual(run.returncode, 3, f"{bad}: {run.stderr}")
+            self.assert_one_sentence(run)
+            self.assertFalse(out.exists())
+
+    def test_unwritable_output_is_told_before_the_work(self) -> None:
+        run = phront("offset", self.part, "-o", self.folder / "nowhere" / "a.step", "-d", "1")
+        self.assertEqual(run.returncode, 1)
+        self.assert_one_sentence(run)
+
+    @unittest.skipUnless(Path("/dev/full").exists(), "needs /dev/full")
+    def test_full_disk_is_an_error(self) -> None:
+        run = phront("info", self.part, "-q", "--report", "/dev/full")
+        self.assertEqual(run.returncode, 1, run.stderr)
+
+    # --- the main job
+
+    def test_offset_of_the_bracket_is_valid_and_measured(self) -> None:
+        out = self.out("plus.step")
+        report = self.folder / "plus.json"
+        run = phront("offset", self.part, "-o", out, "-d", "0.04in", "--report", report, "-v")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        told = json.loads(report.read_text())
+        self.assertAlmostEqual(told["distance_mm"], 1.016)
+        self.assertTrue(told["check"]["pass"])
+        self.assertGreaterEqual(told["check"]["solids"], 1)
+        self.assertLess(told["check"]["accuracy_p99_mm"], 0.01016)
+        self.assertIn("measured deviation", run.stderr)
+        again = phront("check", out, "--against", self.part, "-d", "0.04in")
+        self.assertEqual(again.returncode, 0, again.stdout + again.stderr)
+        wrong = phront("check", out, "--against", self.part, "-d", "1.2")
+        self.assertEqual(wrong.returncode, 4)
+        self.assertIn("FAIL", wrong.stdout)
+
+    def test_thinner_than_twice_d_is_empty_and_done(self) -> None:
+        out = self.out("none_left.step")
+        run = phront("offset", self.part, "-o", out, "-d", "-500")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("offset is empty", run.stderr)
+        self.assertFalse(out.exists())
+
+    def test_info_lists_faces(self) -> None:
+        run = phront("info", self.part, "-v")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("F1 ", run.stdout)
+        self.assertIn("solid", run.stdout)
+
+    def test_field_is_written(self) -> None:
+        out = self.out("field.vtu")
+        run = phront("field", self.box, "-o", out, "--spacing", "1", "--band", "2")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn(b"VTKFile", out.read_bytes()[:200])
+
+    # --- meshes
+
+    def test_same_bits_at_any_thread_count(self) -> None:
+        for source in (self.part, self.box):
+            outputs = []
+            for threads in (1, 2):
+                out = self.out(f"threads{threads}.stl")
+                run = phront("offset", source, "-o", out, "-d", "1.5", "--threads", threads)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                outputs.append(out.read_bytes())
+            self.assertGreater(len(outputs[0]), 84)
+            self.assertEqual(outputs[0], outputs[1])
+
+    def test_parametric_keeps_connectivity_and_order(self) -> None:
+        out = self.out("parametric.stl")
+        run = phront("offset", self.box, "-o", out, "-d", "-1", "--parametric")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        data = out.read_bytes()
+        self.assertEqual(struct.unpack_from("<I", data, 80)[0], 12)
+        original = self.box.read_bytes()
+        for facet in range(12):
+            for corner in range(3):
+                at = 84 + 50 * facet + 12 + 12 * corner
+                new = struct.unpack_from("<3f", data, at)
+                old = struct.unpack_from("<3f", original, at)
+                for n, o in zip(new, old):  # each corner moved by 1 inwards along all three axes
+                    self.assertTrue(math.isclose(n, 1 if o == 0 else 9, abs_tol=1e-5), (n, o))
+
+    def test_mesh_in_gives_no_solid_out(self) -> None:
+        run = phront("offset", self.box, "-o", self.out("a.step"), "-d", "1")
+        self.assertEqual(run.returncode, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
