@@ -19,6 +19,7 @@ struct FaceFeature {
   SurfaceType type = SurfaceType::Other;
   std::optional<Plane> plane;  ///< if planar: outward plane (normal towards phi > 0)
   double area = 0;             ///< mm^2, of the triangles
+  double deflection = 0;       ///< mm, measured distance of its triangles from the surface
   std::string name;
 };
 
@@ -47,6 +48,15 @@ struct TessellateOptions {
   double distance = 0;    ///< mm, the |d| that smoothTolerance refers to; 0: smooth below 1e-3 rad
 };
 
+/// A triangle side on a B-Rep edge, smooth edges and seams included.
+struct EdgeSide {
+  Index triangle = kNone;
+  Index side = 0;      ///< corner `side` to the next
+  Index edge = kNone;
+  double first = 0;    ///< curve parameter at corner `side`
+  double last = 0;     ///< curve parameter at the next corner
+};
+
 /// mesh.faceOf, edgeOf, vertexOf index into features (smooth edges and vertices on no sharp edge
 /// carry no label). Nodes on B-Rep edges are shared by the faces of the edge: closed input, closed
 /// mesh. uv: per triangle corner, the parameters on its face.
@@ -54,8 +64,10 @@ struct Tessellation {
   TriMesh mesh;
   FeatureTable features;
   std::vector<std::array<Eigen::Vector2d, 3>> uv;  ///< one triple per triangle
+  std::vector<EdgeSide> edgeSides;  ///< by triangle, then side
   double measuredDeflection = 0;   ///< mm, sampled at triangle centres and side middles
   int untessellatedFaces = 0;      ///< faces OpenCASCADE gives no triangles for
+  int filledHoles = 0;             ///< holes closed by patches of least area
 };
 
 /// Runs under a guard (time, signals). Fails with Failed when nothing can be tessellated.

@@ -1,0 +1,239 @@
+// Points, normals and feet on one face.
+//
+// Feet on plane, cylinder, cone, sphere and torus come from ElSLib's closed forms: Newton fails at
+// their poles. Other surfaces: Newton on the two orthogonality conditions with the full Hessian of
+// the squared distance where it is positive definite, Gauss-Newton else, halved until the distance
+// falls (Ma & Hewitt 2003 describe the plain iteration). Weak spot: a start in another basin gives
+// a local minimum; callers start from the nearest triangle and compare distances.
+#include "tessellate/face_surface.h"
+
+#include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <ElSLib.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <Geom_BezierSurface.hxx>
+#include <gp_Cone.hxx>
+#include <gp_Cylinder.hxx>
+#include <gp_Pln.hxx>
+#include <gp_Sphere.hxx>
+#include <gp_Torus.hxx>
+
+#include <Eigen/Eigenvalues>
+
+namespace phront::cad {
+namespace {
+
+constexpr int kNewtonSteps = 30;
+constexpr int kPlaneSamples = 9;  // per direction, for surfaces without poles
+// sin of the angle between Su and Sv, and length of either against the other scale, below which a
+// point counts as singular: well above round-off of a cross product.
+constexpr double kSingularSine = 1e-9;
+
+SurfaceType typeOf(GeomAbs_SurfaceType type) {
+  switch (type) {
+    case GeomAbs_Plane:
+      return SurfaceType::Plane;
+    case GeomAbs_Cylinder:
+      return SurfaceType::Cylinder;
+    case GeomAbs_Cone:
+      return SurfaceType::Cone;
+    case GeomAbs_Sphere:
+      return SurfaceType::Sphere;
+    case GeomAbs_Torus:
+      return SurfaceType::Torus;
+    case GeomAbs_SurfaceOfRevolution:
+      return SurfaceType::Revolution;
+    case GeomAbs_SurfaceOfExtrusion:
+      return SurfaceType::Extrusion;
+    case GeomAbs_BSplineSurface:
+    case GeomAbs_BezierSurface:
+      return SurfaceType::Bspline;
+    default:
+      return SurfaceType::Other;
+  }
+}
+
+}  // namespace
+
+FaceSurface::FaceSurface(const TopoDS_Face& face) : adaptor_(face, Standard_False) {
+  type_ = typeOf(adaptor_.GetType());
+  mirrored_ = adaptor_.Trsf().IsNegative();
+  flipped_ = (face.Orientation() == TopAbs_REVERSED) != mirrored_;
+  uPeriodic_ = adaptor_.IsUPeriodic();
+  vPeriodic_ = adaptor_.IsVPeriodic();
+  low_ = {adaptor_.FirstUParameter(), adaptor_.FirstVParameter()};
+  high_ = {adaptor_.LastUParameter(), adaptor_.LastVParameter()};
+  BRepTools::UVBounds(face, faceLow_.x(), faceHigh_.x(), faceLow_.y(), faceHigh_.y());
+}
+
+bool FaceSurface::analytic() const {
+  return type_ == SurfaceType::Plane || type_ == SurfaceType::Cylinder ||
+         type_ == SurfaceType::Cone || type_ == SurfaceType::Sphere || type_ == SurfaceType::Torus;
+}
+
+Vec3 FaceSurface::point(const Eigen::Vector2d& uv) const {
+  return toVec3(adaptor_.Value(uv.x(), uv.y()).XYZ());
+}
+
+bool FaceSurface::pointAndNormal(const Eigen::Vector2d& uv, Vec3& point, Vec3& normal) const {
+  gp_Pnt p;
+  gp_Vec du, dv;
+  adaptor_.D1(uv.x(), uv.y(), p, du, dv);
+  point = toVec3(p.XYZ());
+  const Vec3 su = toVec3(du.XYZ());
+  const Vec3 sv = toVec3(dv.XYZ());
+  const Vec3 cross = su.cross(sv);
+  const double area = cross.norm();
+  const double lengths = su.norm() * sv.norm();
+  // At a pole one derivative vanishes against its size elsewhere: compare with the face's extent.
+  const Eigen::Vector2d span = faceHigh_ - faceLow_;
+  const double lu = su.norm() * span.x();
+  const double lv = sv.norm() * span.y();
+  if (!(area > kSingularSine * lengths) || !(std::min(lu, lv) > kSingularSine * std::max(lu, lv))) {
+    return false;
+  }
+  normal = cross / (flipped_ ? -area : area);
+  return true;
+}
+
+Eigen::Vector2d FaceSurface::clamped(Eigen::Vector2d uv) const {
+  if (!uPeriodic_) uv.x() = std::clamp(uv.x(), low_.x(), high_.x());
+  if (!vPeriodic_) uv.y() = std::clamp(uv.y(), low_.y(), high_.y());
+  return uv;
+}
+
+bool FaceSurface::foot(const Vec3& x, double tolerance, Eigen::Vector2d& uv, Vec3& point) const {
+  if (!analytic()) return newtonFoot(x, tolerance, uv, point);
+  // The parameters come in the principal period; bring them next to the start.
+  const Eigen::Vector2d start = uv;
+  const gp_Pnt p = toPnt(x);
+  double u = 0;
+  double v = 0;
+  switch (type_) {
+    case SurfaceType::Plane:
+      ElSLib::Parameters(adaptor_.Plane(), p, u, v);
+      break;
+    case SurfaceType::Cylinder:
+      ElSLib::Parameters(adaptor_.Cylinder(), p, u, v);
+      break;
+    case SurfaceType::Cone:
+      ElSLib::Parameters(adaptor_.Cone(), p, u, v);
+      break;
+    case SurfaceType::Sphere:
+      ElSLib::Parameters(adaptor_.Sphere(), p, u, v);
+      break;
+    default:
+      ElSLib::Parameters(adaptor_.Torus(), p, u, v);
+      break;
+  }
+  uv = {u, v};
+  constexpr double kTurn = 2 * 3.14159265358979323846;
+  if (uPeriodic_) uv.x() += kTurn * std::round((start.x() - uv.x()) / kTurn);
+  if (vPeriodic_) uv.y() += kTurn * std::round((start.y() - uv.y()) / kTurn);
+  point = this->point(uv);
+  return true;
+}
+
+bool FaceSurface::newtonFoot(const Vec3& x, double tolerance, Eigen::Vector2d& uv,
+                             Vec3& point) const {
+  uv = clamped(uv);
+  gp_Pnt p;
+  gp_Vec d1u, d1v, d2u, d2v, duv;
+  double best = std::numeric_limits<double>::infinity();
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    adaptor_.D2(uv.x(), uv.y(), p, d1u, d1v, d2u, d2v, duv);
+    point = toVec3(p.XYZ());
+    const Vec3 r = point - x;
+    best = r.squaredNorm();
+    const Vec3 su = toVec3(d1u.XYZ());
+    const Vec3 sv = toVec3(d1v.XYZ());
+    Eigen::Vector2d g(r.dot(su), r.dot(sv));
+    Eigen::Matrix2d first;
+    first << su.dot(su), su.dot(sv), su.dot(sv), sv.dot(sv);
+    Eigen::Matrix2d h = first;
+    h(0, 0) += r.dot(toVec3(d2u.XYZ()));
+    h(1, 1) += r.dot(toVec3(d2v.XYZ()));
+    const double mixed = r.dot(toVec3(duv.XYZ()));
+    h(0, 1) += mixed;
+    h(1, 0) += mixed;
+    // Directions blocked by a bound of the surface take no part.
+    for (int k = 0; k < 2; ++k) {
+      const bool periodic = k == 0 ? uPeriodic_ : vPeriodic_;
+      if (periodic) continue;
+      const bool blocked = (uv[k] <= low_[k] && g[k] > 0) || (uv[k] >= high_[k] && g[k] < 0);
+      if (!blocked) continue;
+      g[k] = 0;
+      h(0, 1) = h(1, 0) = first(0, 1) = first(1, 0) = 0;
+      h(k, k) = first(k, k) = std::max(first(k, k), 1e-300);
+    }
+    const double residual = std::max(std::abs(g.x()) / std::max(su.norm(), 1e-300),
+                                     std::abs(g.y()) / std::max(sv.norm(), 1e-300));
+    // The residual is |r| sin(angle): the tangential miss for feet close by, an upper bound else.
+    if (residual <= tolerance) return true;
+    const double determinant = h.determinant();
+    const bool definite = h(0, 0) > 0 && determinant > 1e-12 * h(0, 0) * std::abs(h(1, 1));
+    if (!definite) h = first + 1e-9 * first.trace() * Eigen::Matrix2d::Identity();
+    const Eigen::Vector2d delta = h.inverse() * g;
+    if (!delta.allFinite()) return false;
+    double factor = 1;
+    bool moved = false;
+    for (int halving = 0; halving < 12; ++halving, factor *= 0.5) {
+      const Eigen::Vector2d next = clamped(uv - factor * delta);
+      const double d2 = (this->point(next) - x).squaredNorm();
+      if (d2 < best) {
+        uv = next;
+        moved = true;
+        break;
+      }
+    }
+    // No step lowers the distance any more: at round-off of the squared distance.
+    if (!moved) return residual <= 1e3 * tolerance;
+  }
+  return false;
+}
+
+std::optional<Plane> FaceSurface::plane(double tolerance) const {
+  if (type_ == SurfaceType::Plane) {
+    Vec3 p, n;
+    const Eigen::Vector2d middle = 0.5 * (faceLow_ + faceHigh_);
+    if (!pointAndNormal(middle, p, n)) return std::nullopt;
+    return Plane{n, n.dot(p)};
+  }
+  if (analytic()) return std::nullopt;
+  std::vector<Vec3> samples;
+  constexpr int kMaxPoles = 4000;  // beyond, sampling is as good and cheaper
+  if (adaptor_.GetType() == GeomAbs_BSplineSurface &&
+      adaptor_.NbUPoles() * adaptor_.NbVPoles() < kMaxPoles) {
+    const Handle(Geom_BSplineSurface) s = adaptor_.BSpline();
+    for (int i = 1; i <= s->NbUPoles(); ++i) {
+      for (int j = 1; j <= s->NbVPoles(); ++j) samples.push_back(toVec3(s->Pole(i, j).XYZ()));
+    }
+  } else {
+    for (int i = 0; i < kPlaneSamples; ++i) {
+      for (int j = 0; j < kPlaneSamples; ++j) {
+        const Eigen::Vector2d t(i / (kPlaneSamples - 1.0), j / (kPlaneSamples - 1.0));
+        samples.push_back(point(faceLow_ + t.cwiseProduct(faceHigh_ - faceLow_)));
+      }
+    }
+  }
+  // The normal at a regular point of the face; a plane has the same everywhere.
+  Vec3 p, n;
+  const Eigen::Vector2d middle = 0.5 * (faceLow_ + faceHigh_);
+  if (!pointAndNormal(middle, p, n)) return std::nullopt;
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& s : samples) mean += s;
+  mean /= static_cast<double>(samples.size());
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (const Vec3& s : samples) covariance += (s - mean) * (s - mean).transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance);
+  Vec3 normal = solver.eigenvectors().col(0);
+  if (normal.dot(n) < 0) normal = -normal;
+  for (const Vec3& s : samples) {
+    if (!(std::abs(normal.dot(s - mean)) <= tolerance)) return std::nullopt;
+  }
+  // A planar surface that folds over itself has two normals; such a face counts as curved.
+  if (normal.dot(n) < 1 - 1e-6) return std::nullopt;
+  return Plane{normal, normal.dot(mean)};
+}
+
+}  // namespace phront::cad
