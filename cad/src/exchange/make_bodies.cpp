@@ -1,0 +1,185 @@
+// Solids one by one, then all faces that belong to no solid, sewn together at 1e-5 of their
+// diagonal: files without topology (IGES, surface models) become closed solids where they close.
+#include "exchange/make_bodies.h"
+
+#include <fmt/format.h>
+#include <BRep_Tool.hxx>
+#include <ShapeAnalysis_ShapeTolerance.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <algorithm>
+#include <cmath>
+
+#include "exchange/repair_solid.h"
+#include "phront/cad/shape_occt.h"
+
+namespace phront::cad {
+namespace {
+
+constexpr double kSewShare = 1e-5;        // of the diagonal
+constexpr double kSmallestSewing = 1e-6;  // mm
+// Above this share of the diagonal edges and vertices say little about where faces end.
+constexpr double kLargeTolerance = 1e-3;
+// Above this share the faces do not meet at all.
+constexpr double kAbsurdTolerance = 0.25;
+
+// A sentence's end why the vertices are nonsense, or empty.
+std::string vertexDefect(const Loaded& loaded, double maxExtent) {
+  for (const NamedShape& named : loaded.shapes) {
+    TopTools_IndexedMapOfShape vertices;
+    TopExp::MapShapes(named.shape, TopAbs_VERTEX, vertices);
+    for (int i = 1; i <= vertices.Extent(); ++i) {
+      const gp_Pnt p = BRep_Tool::Pnt(TopoDS::Vertex(vertices(i)));
+      const double reach = std::max({std::abs(p.X()), std::abs(p.Y()), std::abs(p.Z())});
+      if (!std::isfinite(p.X() + p.Y() + p.Z()))
+        return "a vertex has a coordinate that is no number";
+      if (reach > maxExtent) {
+        return fmt::format("it reaches to {:.3g} mm (limit {:.3g} mm): check its length unit",
+                           reach, maxExtent);
+      }
+    }
+  }
+  return {};
+}
+
+class BodyMaker {
+ public:
+  BodyMaker(Loaded loaded, const ReadOptions& options)
+      : loaded_(std::move(loaded)), options_(options) {}
+
+  Result<Model> make() {
+    if (const std::string defect = vertexDefect(loaded_, options_.maxExtent); !defect.empty()) {
+      return fail(ErrorCode::UnreadableInput, defect);
+    }
+    model_.unit = loaded_.unit;
+    model_.unitInMm = loaded_.unitInMm;
+    model_.warnings = loaded_.warnings;
+    for (const NamedShape& named : loaded_.shapes) addSolids(named);
+    addLooseFaces();
+    if (model_.bodies.empty()) return fail(ErrorCode::UnreadableInput, "it holds no faces");
+    for (std::size_t b = 0; b < model_.bodies.size(); ++b) nameFaces(model_.bodies[b]);
+    return std::move(model_);
+  }
+
+ private:
+  void addSolids(const NamedShape& named) {
+    int solids = 0;
+    for (TopExp_Explorer it(named.shape, TopAbs_SOLID); it.More(); it.Next()) ++solids;
+    for (TopExp_Explorer it(named.shape, TopAbs_SOLID); it.More(); it.Next()) {
+      const TopoDS_Shape& solid = it.Current();
+      if (facesOf(solid).empty()) continue;
+      std::string name = named.name;
+      const std::string own = loaded_.names.of(solid);
+      if (name.empty()) {
+        name = own;
+      } else if (solids > 1 && !own.empty() && own != name) {
+        name += "/" + own;
+      }
+      if (!options_.repair) {
+        add({solid, true}, name);
+        continue;
+      }
+      RepairContext context = contextOf(solid, name);
+      for (const RepairedBody& body : repairSolid(solid, context)) add(body, name);
+    }
+  }
+
+  void addLooseFaces() {
+    FaceSet loose;
+    std::string name;
+    bool oneName = true;
+    for (const NamedShape& named : loaded_.shapes) {
+      const std::size_t before = loose.size();
+      for (TopExp_Explorer it(named.shape, TopAbs_FACE, TopAbs_SOLID); it.More(); it.Next()) {
+        loose.push_back(TopoDS::Face(it.Current()));
+      }
+      if (loose.size() == before) continue;
+      oneName = oneName && (before == 0 || named.name == name);
+      name = named.name;
+    }
+    if (loose.empty()) return;
+    if (!oneName) name.clear();
+    if (!options_.repair) {
+      for (const FaceSet& faces : componentsOf(loose)) add({shellOf(faces), false}, name);
+      return;
+    }
+    RepairContext context = contextOf(shellOf(loose), name);
+    const EdgeUse asRead = edgeUse(loose);
+    std::vector<RepairedBody> bodies = sewFaces(loose, context);
+    reportSewing(asRead, bodies, context.sewTolerance);
+    for (const RepairedBody& body : bodies) add(body, name);
+  }
+
+  void reportSewing(const EdgeUse& asRead, const std::vector<RepairedBody>& bodies,
+                    double tolerance) {
+    int freeEdges = 0;
+    int sheets = 0;
+    for (const RepairedBody& body : bodies) {
+      if (body.solid) continue;
+      ++sheets;
+      freeEdges += edgeUse(facesOf(body.shape)).freeEdges;
+    }
+    if (asRead.freeEdges > freeEdges) {
+      model_.warnings.push_back(
+          fmt::format("faces without a solid are sewn within {:.3g} mm: {} free edges before, {} "
+                      "after",
+                      tolerance, asRead.freeEdges, freeEdges));
+    }
+    if (sheets > 0) {
+      model_.warnings.push_back(fmt::format("read as {} sheet{}: {} free edges", sheets,
+                                            sheets == 1 ? "" : "s", freeEdges));
+    }
+  }
+
+  RepairContext contextOf(const TopoDS_Shape& shape, const std::string& name) {
+    const double automatic = std::max(kSmallestSewing, kSewShare * boxDiagonal(shape));
+    return {loaded_.names, model_.warnings, options_.sewTolerance.value_or(automatic),
+            label(model_.bodies.size(), name)};
+  }
+
+  static std::string label(std::size_t index, const std::string& name) {
+    return name.empty() ? fmt::format("body {}", index + 1) : fmt::format("body '{}'", name);
+  }
+
+  void add(const RepairedBody& repaired, const std::string& name) {
+    Body body;
+    body.shape = makeShape(repaired.shape);
+    body.kind = repaired.solid ? BodyKind::Solid : BodyKind::Sheet;
+    body.name = name;
+    if (options_.repair) checkTolerance(repaired.shape, name);
+    model_.bodies.push_back(std::move(body));
+  }
+
+  void checkTolerance(const TopoDS_Shape& shape, const std::string& name) {
+    ShapeAnalysis_ShapeTolerance analysis;
+    const double tolerance = analysis.Tolerance(shape, 1);
+    const double diagonal = boxDiagonal(shape);
+    if (!(tolerance > kLargeTolerance * diagonal)) return;
+    model_.warnings.push_back(fmt::format(
+        "{} has edges or vertices with a tolerance of {:.3g} mm ({:.2g} % of its size): "
+        "its faces meet no better than that",
+        label(model_.bodies.size(), name), tolerance, 100 * tolerance / diagonal));
+  }
+
+  void nameFaces(Body& body) const {
+    TopTools_IndexedMapOfShape faces;
+    TopExp::MapShapes(occtShape(body.shape), TopAbs_FACE, faces);
+    for (int i = 1; i <= faces.Extent(); ++i) {
+      body.faceNames.push_back(loaded_.names.of(faces(i)));
+    }
+  }
+
+  Loaded loaded_;
+  const ReadOptions& options_;
+  Model model_;
+};
+
+}  // namespace
+
+Result<Model> makeBodies(Loaded loaded, const ReadOptions& options) {
+  return BodyMaker(std::move(loaded), options).make();
+}
+
+}  // namespace phront::cad

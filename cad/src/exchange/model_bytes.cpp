@@ -1,0 +1,118 @@
+// Fields in the order of the structs; strings and lists led by their length (8 bytes, host order:
+// both ends are the same program).
+#include "exchange/model_bytes.h"
+
+#include <cstdint>
+#include <cstring>
+
+#include "exchange/shape_bytes.h"
+#include "phront/cad/shape_occt.h"
+
+namespace phront::cad {
+namespace {
+
+class Writer {
+ public:
+  void number(std::uint64_t value) { raw(&value, sizeof value); }
+  void real(double value) { raw(&value, sizeof value); }
+  void text(std::string_view value) {
+    number(value.size());
+    raw(value.data(), value.size());
+  }
+  void texts(const std::vector<std::string>& values) {
+    number(values.size());
+    for (const std::string& value : values) text(value);
+  }
+  [[nodiscard]] std::string take() { return std::move(bytes_); }
+
+ private:
+  void raw(const void* data, std::size_t size) {
+    bytes_.append(static_cast<const char*>(data), size);
+  }
+  std::string bytes_;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::string_view bytes) : bytes_(bytes) {}
+  std::uint64_t number() {
+    std::uint64_t value = 0;
+    raw(&value, sizeof value);
+    return value;
+  }
+  double real() {
+    double value = 0;
+    raw(&value, sizeof value);
+    return value;
+  }
+  std::string_view text() {
+    const std::uint64_t size = number();
+    if (size > bytes_.size()) {
+      good_ = false;
+      return {};
+    }
+    const std::string_view value = bytes_.substr(0, size);
+    bytes_.remove_prefix(size);
+    return value;
+  }
+  std::vector<std::string> texts() {
+    std::vector<std::string> values;
+    for (std::uint64_t n = number(); n > 0 && good_; --n) values.emplace_back(text());
+    return values;
+  }
+  [[nodiscard]] bool good() const { return good_; }
+
+ private:
+  void raw(void* data, std::size_t size) {
+    if (size > bytes_.size()) {
+      good_ = false;
+      return;
+    }
+    std::memcpy(data, bytes_.data(), size);
+    bytes_.remove_prefix(size);
+  }
+  std::string_view bytes_;
+  bool good_ = true;
+};
+
+}  // namespace
+
+std::string bytesOfModel(const Model& model) {
+  Writer writer;
+  writer.text(model.unit);
+  writer.real(model.unitInMm);
+  writer.texts(model.warnings);
+  writer.number(model.bodies.size());
+  for (const Body& body : model.bodies) {
+    writer.number(body.kind == BodyKind::Solid ? 0 : 1);
+    writer.text(body.name);
+    writer.texts(body.faceNames);
+    writer.text(body.shape.empty() ? std::string() : bytesOfShape(occtShape(body.shape)));
+  }
+  return writer.take();
+}
+
+Result<Model> modelOfBytes(std::string_view bytes) {
+  Reader reader(bytes);
+  Model model;
+  model.unit = reader.text();
+  model.unitInMm = reader.real();
+  model.warnings = reader.texts();
+  for (std::uint64_t n = reader.number(); n > 0 && reader.good(); --n) {
+    Body body;
+    body.kind = reader.number() == 0 ? BodyKind::Solid : BodyKind::Sheet;
+    body.name = reader.text();
+    body.faceNames = reader.texts();
+    const std::string_view shapeBytes = reader.text();
+    if (!shapeBytes.empty()) {
+      auto shape = shapeOfBytes(shapeBytes);
+      if (!shape) return tl::unexpected<Error>(shape.error());
+      body.shape = makeShape(std::move(*shape));
+    }
+    model.bodies.push_back(std::move(body));
+  }
+  if (!reader.good()) return fail(ErrorCode::Failed, "a model in memory is cut short");
+  return model;
+}
+
+}  // namespace phront::cad

@@ -1,0 +1,37 @@
+// Sewing and repair of solids. Call in a guarded child.
+#pragma once
+
+#include <TopoDS_Shape.hxx>
+#include <string>
+#include <vector>
+
+#include "exchange/face_set.h"
+#include "exchange/load_shapes.h"
+
+namespace phront::cad {
+
+struct RepairedBody {
+  TopoDS_Shape shape;  ///< TopoDS_Solid or TopoDS_Shell
+  bool solid = false;
+};
+
+struct RepairContext {
+  ShapeNames& names;  ///< names move to faces that replace others
+  std::vector<std::string>& warnings;
+  double sewTolerance = 0;  ///< mm
+  std::string label;        ///< of the body, for sentences ("body 'cover'")
+};
+
+/// Sews faces that may belong together. Closed shells become solids with positive volume, the rest
+/// connected sheets; nothing is said about it. Face order is kept within each.
+[[nodiscard]] std::vector<RepairedBody> sewFaces(const FaceSet& faces, RepairContext& context);
+
+/// Makes a solid what it claims to be: closed, its faces outwards, its volume positive, valid. What
+/// cannot be closed comes back as sheets. Every change, and every fault that stays, gives a
+/// warning.
+[[nodiscard]] std::vector<RepairedBody> repairSolid(const TopoDS_Shape& solid,
+                                                    RepairContext& context);
+
+[[nodiscard]] double boxDiagonal(const TopoDS_Shape& shape);  ///< mm, tight; 0 when void
+
+}  // namespace phront::cad
