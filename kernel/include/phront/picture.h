@@ -13,14 +13,14 @@
 namespace phront {
 
 struct PictureItem {
-  TriMesh mesh;
-  std::string caption;                             ///< one line under the view
-  std::array<double, 3> color{0.62, 0.72, 0.84};   ///< RGB in [0, 1]
-  bool colorByFace = false;                        ///< one hue per faceOf
+  TriMesh mesh{};
+  std::string caption{};                          ///< one line under the view
+  std::array<double, 3> color{0.62, 0.72, 0.84};  ///< RGB in [0, 1]
+  bool colorByFace = false;                       ///< one hue per faceOf
 };
 
 struct PictureOptions {
-  int width = 1600;   ///< pixels, whole picture
+  int width = 1600;  ///< pixels, whole picture
   int height = 800;
   Vec3 view{1.0, -1.4, 0.9};  ///< from the model towards the eye
 };
