@@ -1,0 +1,15 @@
+// Do the signs of a field contradict each other?
+#pragma once
+
+#include <cstdint>
+
+#include "phront/distance_field.h"
+
+namespace phront {
+
+/// Audits the signs of a closed surface's field and repairs them by winding number; the magnitude
+/// of phi is never changed. Returns the number of nodes that were turned.
+[[nodiscard]] std::int64_t auditSigns(const SurfaceDistance& surface, const DistanceField& grid,
+                                      std::vector<DistanceField::Tile>& tiles, int threads);
+
+}  // namespace phront
