@@ -24,6 +24,7 @@
 #include <gp_Torus.hxx>
 #include <set>
 
+#include "rebuild/axis_trim.h"
 #include "rebuild/patch_tools.h"
 
 namespace phront::cad {
@@ -120,6 +121,13 @@ void collectEdges(const EdgeTable& table, const TopoDS_Face& face, FaceImage& im
   }
 }
 
+void shareSmooth(const EdgeTable& table, const FaceImage& image,
+                 std::map<int, TopoDS_Edge>& shared) {
+  for (const auto& [e, edge] : image.edges) {
+    if (table.edges[static_cast<std::size_t>(e)].smooth) shared.try_emplace(e, edge);
+  }
+}
+
 }  // namespace
 
 VertexImages::VertexImages(const EdgeTable& table, double distance, double smoothAngle)
@@ -174,12 +182,13 @@ TopoDS_Vertex VertexImages::image(const TopoDS_Vertex& vertex, int face) const {
 }
 
 std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& vertices,
-                                   double distance, double tolerance,
-                                   std::vector<std::string>& notes) {
+                                   double distance, double tolerance, ArcPool& arcs,
+                                   PointPool& points, std::vector<std::string>& notes) {
   std::vector<FaceImage> images(table.faces.size());
   std::map<int, TopoDS_Edge> shared;
   int lost = 0;
   int dead = 0;
+  int cut = 0;
   for (std::size_t f = 0; f < table.faces.size(); ++f) {
     const TopoDS_Face& face = table.faces[f];
     FaceImage& image = images[f];
@@ -187,6 +196,17 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
     image.dead = radius && *radius < tolerance;
     dead += image.dead ? 1 : 0;
     if (radius && std::abs(*radius) < tolerance) continue;
+
+    if (std::optional<TrimmedImage> trimmed = trimAtAxis(
+            table, static_cast<int>(f), vertices, distance, tolerance, shared, arcs, points)) {
+      image.inPieces = true;
+      image.pieces = std::move(trimmed->faces);
+      image.pieces.insert(image.pieces.end(), trimmed->caps.begin(), trimmed->caps.end());
+      image.edges = std::move(trimmed->edges);
+      shareSmooth(table, image, shared);
+      ++cut;
+      continue;
+    }
 
     TopTools_DataMapOfShapeShape created;
     for (const TopoDS_Edge& edge : edgesOf(face)) {
@@ -217,10 +237,9 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
       ++lost;
       continue;
     }
-    for (const auto& [e, edge] : image.edges) {
-      if (table.edges[static_cast<std::size_t>(e)].smooth) shared.try_emplace(e, edge);
-    }
+    shareSmooth(table, image, shared);
   }
+  if (cut > 0) notes.push_back(std::to_string(cut) + " faces end at their axis");
   if (dead > 0) notes.push_back(std::to_string(dead) + " faces with radius below |d| vanish");
   if (lost > 0) notes.push_back(std::to_string(lost) + " faces have no offset surface");
   return images;

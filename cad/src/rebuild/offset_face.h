@@ -11,11 +11,14 @@
 #include <vector>
 
 #include "rebuild/edge_table.h"
+#include "rebuild/patch_tools.h"
 
 namespace phront::cad {
 
 struct FaceImage {
-  TopoDS_Face face;   ///< null when the offset surface does not exist
+  TopoDS_Face face;  ///< null when the offset surface does not exist, or is in pieces
+  std::vector<TopoDS_Face> pieces;  ///< instead of `face`, where the image ends at its axis
+  bool inPieces = false;
   bool dead = false;  ///< curvature radius below |d| everywhere: no part of it can be on the offset
   std::map<int, TopoDS_Edge> edges;  ///< by index into EdgeTable::edges, FORWARD
 };
@@ -38,6 +41,7 @@ class VertexImages {
 /// `tolerance` bounds the approximation of curves that have no closed form.
 [[nodiscard]] std::vector<FaceImage> offsetFaces(const EdgeTable& table,
                                                  const VertexImages& vertices, double distance,
-                                                 double tolerance, std::vector<std::string>& notes);
+                                                 double tolerance, ArcPool& arcs, PointPool& points,
+                                                 std::vector<std::string>& notes);
 
 }  // namespace phront::cad

@@ -12,6 +12,7 @@
 #include <Geom2d_BSplineCurve.hxx>
 #include <Geom2d_Line.hxx>
 #include <Geom_Circle.hxx>
+#include <Geom_Line.hxx>
 #include <Precision.hxx>
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
@@ -142,6 +143,14 @@ double raiseTolerance(const TopoDS_Edge& edge, const TopoDS_Face& face) {
   return worst;
 }
 
+TopoDS_Vertex PointPool::at(const gp_Pnt& point, double tolerance) {
+  for (const TopoDS_Vertex& vertex : vertices_) {
+    if (BRep_Tool::Pnt(vertex).Distance(point) < tolerance) return vertex;
+  }
+  vertices_.push_back(makeVertex(point, Precision::Confusion()));
+  return vertices_.back();
+}
+
 TopoDS_Edge ArcPool::arc(const gp_Pnt& centre, const gp_Vec& axis, double radius,
                          const TopoDS_Vertex& from, const TopoDS_Vertex& to) {
   const gp_Pnt a = BRep_Tool::Pnt(from);
@@ -153,20 +162,35 @@ TopoDS_Edge ArcPool::arc(const gp_Pnt& centre, const gp_Vec& axis, double radius
   if (angle < 0) angle += 2 * M_PI;
   const gp_Ax2 frame(centre, gp_Dir(axis), gp_Dir(x));
   const Handle(Geom_Circle) circle = new Geom_Circle(frame, radius);
-  const gp_Pnt middle = circle->Value(angle / 2);
+  return shared(circle, angle, from, to);
+}
 
+TopoDS_Edge ArcPool::line(const TopoDS_Vertex& from, const TopoDS_Vertex& to) {
+  const gp_Pnt a = BRep_Tool::Pnt(from);
+  const gp_Vec along(a, BRep_Tool::Pnt(to));
+  return shared(new Geom_Line(a, gp_Dir(along)), along.Magnitude(), from, to);
+}
+
+TopoDS_Edge ArcPool::shared(const Handle(Geom_Curve) & curve, double last,
+                            const TopoDS_Vertex& from, const TopoDS_Vertex& to) {
+  const gp_Pnt start = curve->Value(0);
+  const gp_Pnt end = curve->Value(last);
+  const gp_Pnt middle = curve->Value(last / 2);
+  // Two edges between the same vertices are one when their middles agree within a thousandth.
+  const double size = start.Distance(middle) + middle.Distance(end);
   Key key(from.TShape().get(), to.TShape().get());
   if (key.second < key.first) std::swap(key.first, key.second);
   for (const Entry& entry : arcs_[key]) {
-    if (entry.middle.Distance(middle) < 1e-3 * radius) return entry.edge;
+    if (entry.middle.Distance(middle) < 1e-3 * size) return entry.edge;
   }
   const BRep_Builder builder;
   TopoDS_Edge edge;
-  builder.MakeEdge(edge, circle, Precision::Confusion());
+  builder.MakeEdge(edge, curve, Precision::Confusion());
   builder.Add(edge, from.Oriented(TopAbs_FORWARD));
   builder.Add(edge, to.Oriented(TopAbs_REVERSED));
-  builder.Range(edge, 0, angle);
-  const double gap = std::max(circle->Value(0).Distance(a), circle->Value(angle).Distance(b));
+  builder.Range(edge, 0, last);
+  const double gap =
+      std::max(start.Distance(BRep_Tool::Pnt(from)), end.Distance(BRep_Tool::Pnt(to)));
   builder.UpdateVertex(from, std::max(1.1 * gap, Precision::Confusion()));
   builder.UpdateVertex(to, std::max(1.1 * gap, Precision::Confusion()));
   arcs_[key].push_back({edge, middle});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Geom2d_Curve.hxx>
+#include <Geom_Curve.hxx>
 #include <Geom_Surface.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
@@ -38,7 +39,16 @@ inline constexpr double kAngularTolerance = 1e-6;
 /// its vertices' tolerances are raised to it.
 double raiseTolerance(const TopoDS_Edge& edge, const TopoDS_Face& face);
 
-/// Circle arcs about the vertices of the input, shared by every patch that ends on them.
+/// Vertices found by place: apices shared by the patches that end there.
+class PointPool {
+ public:
+  TopoDS_Vertex at(const gp_Pnt& point, double tolerance);
+
+ private:
+  std::vector<TopoDS_Vertex> vertices_;
+};
+
+/// Arcs and lines between vertices, shared by every patch that ends on them.
 class ArcPool {
  public:
   /// Arc of the given radius about `centre` from `from` to `to`, turning about `axis` by less than
@@ -46,12 +56,17 @@ class ArcPool {
   TopoDS_Edge arc(const gp_Pnt& centre, const gp_Vec& axis, double radius,
                   const TopoDS_Vertex& from, const TopoDS_Vertex& to);
 
+  /// Straight edge between two vertices, shared in the same way.
+  TopoDS_Edge line(const TopoDS_Vertex& from, const TopoDS_Vertex& to);
+
  private:
   using Key = std::pair<const void*, const void*>;
   struct Entry {
     TopoDS_Edge edge;
     gp_Pnt middle;
   };
+  TopoDS_Edge shared(const Handle(Geom_Curve) & curve, double last, const TopoDS_Vertex& from,
+                     const TopoDS_Vertex& to);
   std::map<Key, std::vector<Entry>> arcs_;  ///< looked up only, never iterated
 };
 

@@ -50,14 +50,6 @@ PatchSide arcSide(const TopoDS_Edge& arc, const TopoDS_Vertex& from, const gp_Pn
 
 }  // namespace
 
-TopoDS_Vertex PointPool::at(const gp_Pnt& point, double tolerance) {
-  for (const TopoDS_Vertex& vertex : vertices_) {
-    if (BRep_Tool::Pnt(vertex).Distance(point) < tolerance) return vertex;
-  }
-  vertices_.push_back(makeVertex(point, Precision::Confusion()));
-  return vertices_.back();
-}
-
 std::optional<std::vector<TopoDS_Face>> linePipe(const PipeFrame& frame, ArcPool& arcs) {
   const EdgeInfo& info = *frame.info;
   const BRepAdaptor_Curve curve(info.edge);

@@ -25,15 +25,6 @@ struct PipeFrame {
   TopoDS_Vertex last2;
 };
 
-/// Vertices found by place: apices shared by the pipes that end there.
-class PointPool {
- public:
-  TopoDS_Vertex at(const gp_Pnt& point, double tolerance);
-
- private:
-  std::vector<TopoDS_Vertex> vertices_;
-};
-
 /// Piece of a cylinder round a straight edge with constant normals; nullopt when it is not one.
 [[nodiscard]] std::optional<std::vector<TopoDS_Face>> linePipe(const PipeFrame& frame,
                                                                ArcPool& arcs);

@@ -34,10 +34,12 @@ class Builder {
         vertices_(table_, options.distance, options.smoothAngle) {}
 
   RawComplex run() {
-    images_ = offsetFaces(table_, vertices_, options_.distance, options_.tolerance, raw_.notes);
+    images_ = offsetFaces(table_, vertices_, options_.distance, options_.tolerance, arcs_, apices_,
+                          raw_.notes);
     for (const FaceImage& image : images_) {
       if (!image.face.IsNull() && !image.dead) raw_.faces.push_back(image.face);
-      if (image.face.IsNull() && !image.dead) ++raw_.missing;
+      raw_.faces.insert(raw_.faces.end(), image.pieces.begin(), image.pieces.end());
+      if (image.face.IsNull() && !image.dead && !image.inPieces) ++raw_.missing;
     }
     for (std::size_t e = 0; e < table_.edges.size(); ++e) {
       if (table_.edges[e].pipe) addPipe(static_cast<int>(e));
