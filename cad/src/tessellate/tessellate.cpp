@@ -30,7 +30,9 @@ constexpr double kCoarser = 8;  // deflection of the second try, when the first 
 constexpr double kDefaultSmoothAngle = 1e-3;   // rad, when no distance is given
 constexpr double kPlaneTolerance = 1e-7;       // of the diagonal
 constexpr double kLeastDeflection = 2e-7;      // mm; OpenCASCADE refuses 1e-7 and less
-constexpr std::size_t kSamplesPerFace = 2000;  // triangles measured on one face
+constexpr std::size_t kMeasured = 20000;       // triangles measured on the whole body, and
+constexpr std::size_t kMeasuredPerFace = 100;  // at least so many on each face
+constexpr double kTangentRatio = 4;  // parameters off by more heights than this are not trusted
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -103,14 +105,16 @@ void labelPatches(Soup& soup, const std::vector<HolePatch>& patches, const Shape
   }
 }
 
-// Distance of a point of a triangle from the exact surface, first order (tangent plane at the
-// corresponding parameters); on patches, whose parameters do not correspond, by a foot.
-double deviation(const FaceSurface& surface, const Vec3& x, Eigen::Vector2d uv, bool patch,
-                 double tolerance) {
+// Distance of a point of a triangle from the exact surface. First order where that is good enough:
+// the tangent plane at the corresponding parameters. Where parameters and point lie far apart
+// (patches, apices, uneven parametrisations) by a foot.
+double deviation(const FaceSurface& surface, const Vec3& x, Eigen::Vector2d uv, double tolerance) {
   Vec3 point, normal;
-  if (patch) return surface.foot(x, tolerance, uv, point) ? (x - point).norm() : 0;
-  if (!surface.pointAndNormal(uv, point, normal)) return 0;
-  return std::abs(normal.dot(x - point));
+  if (!surface.analytic() && surface.pointAndNormal(uv, point, normal)) {
+    const double height = std::abs(normal.dot(x - point));
+    if ((x - point).norm() <= std::max(kTangentRatio * height, tolerance)) return height;
+  }
+  return surface.foot(x, tolerance, uv, point) ? (x - point).norm() : 0;
 }
 
 void measureDeflection(const Soup& soup, const ShapeIndex& index, double tolerance,
@@ -119,9 +123,11 @@ void measureDeflection(const Soup& soup, const ShapeIndex& index, double toleran
   for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
     ofFace[at(soup.triangles[t].face)].push_back(t);
   }
+  const std::size_t perFace =
+      std::max(kMeasuredPerFace, kMeasured / std::max<std::size_t>(1, ofFace.size()));
   for (std::size_t f = 0; f < ofFace.size(); ++f) {
     FaceFeature& feature = tessellation.features.faces[f];
-    const std::size_t stride = 1 + ofFace[f].size() / kSamplesPerFace;
+    const std::size_t stride = 1 + ofFace[f].size() / perFace;
     for (std::size_t i = 0; i < ofFace[f].size(); i += stride) {
       const SoupTriangle& t = soup.triangles[ofFace[f][i]];
       const auto p = [&](std::size_t k) { return soup.points[at(t.corner[k % 3])]; };
@@ -129,8 +135,8 @@ void measureDeflection(const Soup& soup, const ShapeIndex& index, double toleran
         const Vec3 x = weights[0] * p(0) + weights[1] * p(1) + weights[2] * p(2);
         const Eigen::Vector2d uv =
             weights[0] * t.uv[0] + weights[1] * t.uv[1] + weights[2] * t.uv[2];
-        feature.deflection = std::max(
-            feature.deflection, deviation(*index.surfaces[f], x, uv, t.patch != kNone, tolerance));
+        feature.deflection =
+            std::max(feature.deflection, deviation(*index.surfaces[f], x, uv, tolerance));
       };
       sample(Vec3::Constant(1.0 / 3.0));
       for (std::size_t k = 0; k < 3; ++k) {

@@ -1,0 +1,81 @@
+// Closest points on exact trimmed faces and edges, started from their triangles.
+#pragma once
+
+#include <BRepAdaptor_Curve.hxx>
+#include <BRepTopAdaptor_FClass2d.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "tessellate/face_surface.h"
+
+namespace phront::cad {
+
+/// A closest point on an edge.
+struct EdgeFoot {
+  double distance = std::numeric_limits<double>::infinity();
+  Vec3 point = Vec3::Zero();
+  double parameter = 0;
+  Index edge = kNone;
+  Index vertex = kNone;  ///< when the foot is an end of the edge
+};
+
+/// One edge: its exact curve and its polygon.
+class ExactEdge {
+ public:
+  struct Segment {
+    Vec3 from, to;
+    double first = 0;  ///< curve parameters
+    double last = 0;
+  };
+
+  ExactEdge(const TopoDS_Edge& edge, Index number, Index firstVertex, Index lastVertex);
+  /// Takes the polygon and measures how far the curve leaves it.
+  void setSegments(std::vector<Segment> segments);
+
+  [[nodiscard]] bool usable() const { return curve_ && !segments_.empty(); }
+  [[nodiscard]] bool straight() const { return straight_; }
+  [[nodiscard]] double chord() const { return chord_; }          ///< largest, polygon to curve
+  [[nodiscard]] double tolerance() const { return tolerance_; }  ///< of the B-Rep edge
+  [[nodiscard]] const Box3& box() const { return box_; }         ///< of the polygon
+
+  /// Nearest segment and its distance.
+  [[nodiscard]] std::pair<double, std::size_t> nearestSegment(const Vec3& x) const;
+  /// Foot on the exact curve, from a segment; not finite when Newton fails.
+  [[nodiscard]] EdgeFoot foot(const Vec3& x, std::size_t segment) const;
+
+ private:
+  std::optional<BRepAdaptor_Curve> curve_;
+  std::vector<Segment> segments_;
+  Box3 box_;
+  Index number_ = kNone;
+  Index firstVertex_ = kNone;
+  Index lastVertex_ = kNone;
+  double first_ = 0;
+  double last_ = 0;
+  double tolerance_ = 0;
+  double chord_ = 0;
+  bool straight_ = false;
+};
+
+/// One face: its surface, its trimmed domain, the numbers of its border edges.
+class TrimmedFace {
+ public:
+  TrimmedFace(const TopoDS_Face& face, std::vector<Index> border, double edgeTolerance);
+
+  [[nodiscard]] const FaceSurface& surface() const { return surface_; }
+  [[nodiscard]] const std::vector<Index>& border() const { return border_; }
+  /// Inside the trimmed domain or within twice the edges' tolerance of its border.
+  [[nodiscard]] bool contains(const Eigen::Vector2d& uv) const;
+
+ private:
+  TopoDS_Face face_;
+  FaceSurface surface_;
+  std::vector<Index> border_;
+  double edgeTolerance_ = 0;
+  mutable std::unique_ptr<BRepTopAdaptor_FClass2d> classifier_;  // made at first use
+};
+
+}  // namespace phront::cad
