@@ -1,0 +1,102 @@
+// Facetting of phi = d: refine where the iso-surface is coarse, put plane regions into their
+// planes, collapse within the tolerance, merge planes into polygons, measure.
+//
+// Each stage keeps the surface closed, so whatever the deviation, the result bounds a solid. When
+// the facets are too many the tolerance grows until they are not; the measured deviation tells.
+#include "phront/facet.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "front/facet_collapse.h"
+#include "front/facet_mesh.h"
+
+namespace phront {
+
+namespace {
+
+// Share of the tolerance that points may move to enter their planes.
+constexpr double kSnapShare = 0.1;
+// Flattest triangle that is made, of the diagonal: well above OpenCASCADE's 1e-7 mm for parts of a
+// few mm, well below any tolerance.
+constexpr double kHeightFloor = 1e-7;
+// Sides are split where they deviate by more than this share of the tolerance: the collapse needs
+// the rest.
+constexpr double kRefineShare = 0.8;
+// Triangles that splitting may add: enough for any sound iso-surface, an end to unsound ones.
+constexpr Index kMaxAdded = 300'000;
+constexpr double kToleranceStep = 1.5;
+constexpr int kMaxRounds = 24;  // 1.5^24 = 17 000 times the tolerance
+
+Result<void> validate(const SurfaceDistance& surface, const IsoSurface& iso, double level,
+                      const FacetOptions& options) {
+  if (!std::isfinite(level)) return fail(ErrorCode::InvalidArgument, "The level is not finite.");
+  if (!(options.tolerance > 0) || !std::isfinite(options.tolerance)) {
+    return fail(ErrorCode::InvalidArgument, "FacetOptions.tolerance must be positive and finite.");
+  }
+  if (options.maxFacets < 4) {
+    return fail(ErrorCode::InvalidArgument, "FacetOptions.maxFacets must be at least 4.");
+  }
+  if (!surface.closed()) {
+    return fail(ErrorCode::InvalidArgument, "Facets need the distance to a closed surface.");
+  }
+  for (const Index label : iso.mesh.faceOf) {
+    if (label < 0 || static_cast<std::size_t>(label) >= iso.labels.size()) {
+      return fail(ErrorCode::InvalidArgument, "A triangle of the iso-surface has no label.");
+    }
+  }
+  const MeshDiagnostics found = diagnose(iso.mesh);
+  if (!found.closedManifold()) {
+    return fail(
+        ErrorCode::Failed,
+        fmt::format("The iso-surface is no closed manifold: {} free, {} non-manifold and {} "
+                    "misoriented edges, {} non-manifold points.",
+                    found.freeEdges, found.nonManifoldEdges, found.misorientedEdges,
+                    found.nonManifoldPoints));
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const IsoSurface& iso,
+                                       double level, const FacetOptions& options,
+                                       const Progress& progress) {
+  if (iso.mesh.triangles.empty()) return FacetedSurface{};
+  if (const auto ok = validate(surface, iso, level, options); !ok) {
+    return tl::unexpected<Error>(ok.error());
+  }
+  const Box3 box = boundingBox(iso.mesh);
+  const double diagonal = box.diagonal().norm();
+  const facet::Context context{.surface = surface,
+                               .level = level,
+                               .diagonal = diagonal,
+                               .center = box.center(),
+                               .heightFloor = kHeightFloor * diagonal,
+                               .threads = options.threads};
+  const std::vector<Feature> labels =
+      iso.mesh.faceOf.empty() ? std::vector<Feature>{Feature{FeatureKind::Face, 0}} : iso.labels;
+
+  facet::WorkMesh mesh = facet::makeWorkMesh(context, iso);
+  if (!progress.report(0.1)) return fail(ErrorCode::Cancelled, "Facetting was cancelled.");
+  facet::assignPlanes(mesh, context, labels, options.planeOfFace, kSnapShare * options.tolerance);
+  facet::refine(mesh, context, kRefineShare * options.tolerance, mesh.triangleCount() + kMaxAdded);
+  if (!progress.report(0.3)) return fail(ErrorCode::Cancelled, "Facetting was cancelled.");
+
+  facet::Collapser collapser(mesh, context);
+  double tolerance = options.tolerance;
+  for (int round = 0; round < kMaxRounds; ++round, tolerance *= kToleranceStep) {
+    const auto collapsed = collapser.run(tolerance, progress.part(round == 0 ? 0.3 : 0.8, 0.9));
+    if (!collapsed) return tl::unexpected<Error>(collapsed.error());
+    FacetedSurface result = facet::mergePlanes(mesh, context, labels);
+    if (static_cast<std::size_t>(options.maxFacets) < result.polygons.size()) continue;
+    facet::measureFacets(result, mesh, context);
+    return result;
+  }
+  return fail(ErrorCode::Failed,
+              fmt::format("More than {} facets are left even at {:.3g} times the tolerance.",
+                          options.maxFacets, tolerance / options.tolerance));
+}
+
+}  // namespace phront

@@ -1,0 +1,119 @@
+// Splitting of sides that cut through phi = d: the iso-surface may be coarser than the tolerance.
+//
+// Longest sides first, each split at its middle, which is then projected onto phi = d along the
+// gradient. Splitting a side splits both its triangles, so the mesh stays closed.
+// Weak spot: across a crease the middle lands on one of the two sheets, not on the crease; the next
+// splits close in on it.
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <tuple>
+
+#include "front/facet_mesh.h"
+
+namespace phront::facet {
+
+namespace {
+
+// Newton steps along the gradient of a distance land in one step where the surface is smooth.
+constexpr int kProjectionSteps = 4;
+// A projected middle may move by this part of its side: farther is another sheet.
+constexpr double kLargestMove = 0.3;
+// A projected middle has landed when it misses phi = d by no more than this share of the tolerance.
+constexpr double kLanded = 0.1;
+
+struct Side {
+  double length = 0;
+  Index from = kNone;
+  Index to = kNone;
+  friend bool operator<(const Side& a, const Side& b) {
+    return std::tie(a.length, b.from, b.to) < std::tie(b.length, a.from, a.to);
+  }
+};
+
+/// Middle of a side moved onto phi = d; empty when that leads astray.
+std::optional<Vec3> projectedMiddle(const WorkMesh& mesh, const Context& context, const Side& side,
+                                    Index hint, double tolerance) {
+  const Vec3 middle = 0.5 * (mesh.points[side.from] + mesh.points[side.to]);
+  Vec3 x = middle;
+  for (int step = 0; step < kProjectionSteps; ++step) {
+    const FootPoint foot =
+        hint == kNone ? context.surface.foot(x) : context.surface.footFrom(x, hint);
+    x += (context.level - foot.phi()) * context.surface.gradient(x, foot);
+    hint = foot.triangle;
+  }
+  if (!x.allFinite() || (x - middle).norm() > kLargestMove * side.length) return std::nullopt;
+  if (measure(context, x, hint).deviation > kLanded * tolerance) return std::nullopt;
+  return x;
+}
+
+/// Replaces corner `from` of triangle t by p and lets a new triangle take the other half.
+Index splitTriangle(WorkMesh& mesh, Index t, Index from, Index to, Index p) {
+  const Index half = mesh.triangleCount();
+  mesh.corners.push_back(mesh.corners[t]);
+  mesh.label.push_back(mesh.label[t]);
+  mesh.plane.push_back(mesh.plane[t]);
+  mesh.hint.push_back(mesh.hint[t]);
+  mesh.tangent.push_back(mesh.tangent[t]);
+  mesh.corners[t][mesh.cornerOf(t, from)] = p;
+  mesh.corners[half][mesh.cornerOf(half, to)] = p;
+  std::erase(mesh.around[from], t);
+  for (const Index q : mesh.corners[half]) mesh.around[q].push_back(half);
+  mesh.around[p].push_back(t);
+  return half;
+}
+
+}  // namespace
+
+void refine(WorkMesh& mesh, const Context& context, double tolerance, Index maxTriangles) {
+  std::priority_queue<Side> queue;
+  const auto push = [&](Index a, Index b) {
+    if (a > b) std::swap(a, b);
+    queue.push({(mesh.points[a] - mesh.points[b]).norm(), a, b});
+  };
+  for (Index t = 0; t < mesh.triangleCount(); ++t) {
+    for (int k = 0; k < 3; ++k) {
+      if (mesh.corners[t][k] < mesh.corners[t][(k + 1) % 3]) {
+        push(mesh.corners[t][k], mesh.corners[t][(k + 1) % 3]);
+      }
+    }
+  }
+  while (!queue.empty() && mesh.triangleCount() < maxTriangles) {
+    const Side side = queue.top();
+    queue.pop();
+    // Between two points of phi = d the middle of such a short side cannot deviate more.
+    if (side.length < 2 * tolerance) break;
+    std::vector<Index> both;
+    for (const Index t : mesh.around[side.from]) {
+      const Corners& c = mesh.corners[t];
+      if (c[0] == side.to || c[1] == side.to || c[2] == side.to) both.push_back(t);
+    }
+    if (both.size() != 2) continue;
+    if (mesh.plane[both[0]] != kNone && mesh.plane[both[1]] != kNone) continue;
+    const Vec3 middle = 0.5 * (mesh.points[side.from] + mesh.points[side.to]);
+    const Measured m = measure(context, middle, mesh.hint[both[0]]);
+    if (m.deviation <= tolerance) continue;
+    const auto x = projectedMiddle(mesh, context, side, m.triangle, tolerance);
+    if (!x) continue;
+    const Index p = mesh.pointCount();
+    mesh.points.push_back(*x);
+    mesh.around.emplace_back();
+    mesh.exactPlanes.emplace_back();
+    for (const Index t : both) {
+      const Index half = splitTriangle(mesh, t, side.from, side.to, p);
+      mesh.plane[t] = mesh.plane[half] = kNone;
+      for (const Index piece : {t, half}) {
+        const Measured at = measure(context, mesh.centroid(piece), m.triangle);
+        mesh.hint[piece] = at.triangle;
+        mesh.tangent[piece] = at.gradient;
+        for (int k = 0; k < 3; ++k) {
+          const Index a = mesh.corners[piece][k];
+          const Index b = mesh.corners[piece][(k + 1) % 3];
+          if (a == p || b == p) push(a, b);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace phront::facet
