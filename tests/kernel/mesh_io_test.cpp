@@ -15,6 +15,16 @@
 #include <random>
 #include <sstream>
 
+#ifdef PHRONT_TEST_VTK
+#include <vtkCell.h>
+#include <vtkCellData.h>
+#include <vtkDataArray.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkUnstructuredGrid.h>
+#include <vtkXMLUnstructuredGridReader.h>
+#endif
+
 namespace phront {
 namespace {
 
@@ -396,6 +406,79 @@ TEST_F(MeshIo, DevicesAreWrittenToNotReplaced) {
   ASSERT_TRUE(writeFileAtomically("/dev/null", "gone"));
   EXPECT_TRUE(fs::is_character_file("/dev/null"));
 }
+
+TEST_F(MeshIo, FieldsAreWrittenAsVtuOnly) {
+  const auto done = writeField(DistanceField(), file("phi.stl"));
+  ASSERT_FALSE(done);
+  EXPECT_EQ(done.error().code, ErrorCode::InvalidArgument);
+}
+
+#ifdef PHRONT_TEST_VTK
+
+TEST_F(MeshIo, VtkReadsTheMeshWithItsFaces) {
+  const TriMesh mesh = box();
+  ASSERT_TRUE(writeMesh(mesh, file("box.vtu")));
+  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  reader->SetFileName(file("box.vtu").c_str());
+  reader->Update();
+  vtkUnstructuredGrid* grid = reader->GetOutput();
+  ASSERT_EQ(grid->GetNumberOfPoints(), 8);
+  ASSERT_EQ(grid->GetNumberOfCells(), 12);
+  vtkDataArray* faces = grid->GetCellData()->GetArray("faceOf");
+  ASSERT_NE(faces, nullptr);
+  for (vtkIdType p = 0; p < 8; ++p) {
+    const double* x = grid->GetPoint(p);
+    EXPECT_EQ(Vec3(x[0], x[1], x[2]), mesh.points[static_cast<std::size_t>(p)]);
+  }
+  for (vtkIdType t = 0; t < 12; ++t) {
+    const auto i = static_cast<std::size_t>(t);
+    EXPECT_EQ(faces->GetTuple1(t), mesh.faceOf[i]);
+    for (int k = 0; k < 3; ++k) {
+      EXPECT_EQ(grid->GetCell(t)->GetPointId(k), mesh.triangles[i][static_cast<std::size_t>(k)]);
+    }
+  }
+}
+
+TEST_F(MeshIo, VtkReadsTheField) {
+  const auto surface = SurfaceDistance::build(box());
+  ASSERT_TRUE(surface);
+  const double h = 0.2;
+  const auto field =
+      solveDistanceField(*surface, {.spacing = h, .bandMin = -0.3, .bandMax = 0.4, .threads = 1});
+  ASSERT_TRUE(field) << field.error().message;
+  ASSERT_TRUE(writeField(*field, file("phi.vtu")));
+
+  vtkNew<vtkXMLUnstructuredGridReader> reader;
+  reader->SetFileName(file("phi.vtu").c_str());
+  reader->Update();
+  vtkUnstructuredGrid* grid = reader->GetOutput();
+  const auto nodes = static_cast<vtkIdType>(field->tiles().size()) * DistanceField::kNodesPerTile;
+  ASSERT_EQ(grid->GetNumberOfPoints(), nodes);  // closed surface: phi at every node
+  ASSERT_GT(nodes, 0);
+  vtkDataArray* phi = grid->GetPointData()->GetArray("phi");
+  ASSERT_NE(phi, nullptr);
+  ASSERT_NE(grid->GetPointData()->GetArray("triangle"), nullptr);
+  for (vtkIdType p = 0; p < nodes; ++p) {
+    const double* x = grid->GetPoint(p);
+    // The field is exact up to round-off.
+    ASSERT_NEAR(phi->GetTuple1(p), surface->signedDistance(Vec3(x[0], x[1], x[2])), 1e-12);
+  }
+  ASSERT_GT(grid->GetNumberOfCells(), nodes / 2);
+  for (vtkIdType c = 0; c < grid->GetNumberOfCells(); ++c) {
+    // Corners 0, 1, 3, 4 of a VTK hexahedron span it: the frame must be the grid's own.
+    const auto corner = [&](int k) {
+      const double* x = grid->GetPoint(grid->GetCell(c)->GetPointId(k));
+      return Vec3(x[0], x[1], x[2]);
+    };
+    const Vec3 first = corner(0);
+    ASSERT_NEAR((corner(1) - first - Vec3(h, 0, 0)).norm(), 0, 1e-12);
+    ASSERT_NEAR((corner(3) - first - Vec3(0, h, 0)).norm(), 0, 1e-12);
+    ASSERT_NEAR((corner(4) - first - Vec3(0, 0, h)).norm(), 0, 1e-12);
+    ASSERT_NEAR((corner(6) - first - Vec3(h, h, h)).norm(), 0, 1e-12);
+  }
+}
+
+#endif
 
 }  // namespace
 }  // namespace phront
