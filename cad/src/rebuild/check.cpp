@@ -87,7 +87,6 @@ std::string bytesOf(const Figures& f) {
                                  t.overusedEdges,
                                  t.looseFaces,
                                  t.volume,
-                                 t.untessellated,
                                  t.badSolids,  //
                                  a.p99,
                                  a.max,
@@ -121,7 +120,7 @@ Figures figuresOf(const std::string& bytes) {
   CoverageFigures& c = f.coverage;
   ArrayReader read(json);
   read >> t.solids >> t.shells >> t.faces >> t.valid >> t.freeEdges >> t.overusedEdges;
-  read >> t.looseFaces >> t.volume >> t.untessellated >> t.badSolids;
+  read >> t.looseFaces >> t.volume >> t.badSolids;
   read >> a.p99 >> a.max >> a.shareBeyond >> a.rightSide >> a.worst;
   read >> c.p99 >> c.max >> c.shareBeyond >> c.kept >> c.firm >> c.found >> c.keptShare;
   read >> c.worst >> c.anyKept;
@@ -155,49 +154,19 @@ TessellateOptions meshOptions(const Model& in, double distance) {
   return options;
 }
 
-/// Runs in the child.
-Figures measure(const Model& in, const Model& out, const MeasureOptions& options) {
-  Figures figures;
-  figures.outEmpty = isEmpty(out);
-  const TessellateOptions mesh = meshOptions(in, options.distance);
-  const auto inDistance = ModelDistance::build(in.bodies, mesh, "the input");
-  if (!inDistance) {
-    figures.inError = inDistance.error().message;
-    return figures;
-  }
-  figures.solidIn = inDistance->hasSolids();
-  SampleRng coverageRng(kCoverageSeed);
-  if (figures.outEmpty) {
-    figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
-    return figures;
-  }
-  const auto outDistance = ModelDistance::build(out.bodies, mesh, "the result");
-  if (outDistance) {
-    SampleRng accuracyRng(kAccuracySeed);
-    figures.untessellated = outDistance->untessellatedFaces();
-    figures.accuracy = measureAccuracy(*inDistance, *outDistance, options, accuracyRng);
-    figures.coverage = measureCoverage(*inDistance, &*outDistance, options, coverageRng);
-  } else {
-    figures.outError = outDistance.error().message;
-    figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
-  }
-  figures.topology = measureTopology(compoundOf(out), mesh.deflection, mesh.angle);
-  figures.untessellated = std::max(figures.untessellated, figures.topology.untessellated);
-  return figures;
-}
-
 std::string at(const Vec3& p) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
 }
 
-void judgeTopology(const Figures& f, std::vector<std::string>& reasons) {
+std::vector<std::string> topologyFaults(const Figures& f) {
+  std::vector<std::string> reasons;
   const TopologyFigures& t = f.topology;
   if (!t.valid) reasons.emplace_back("OpenCASCADE's BRepCheck finds the result invalid.");
   if (f.untessellated > 0) {
     reasons.push_back(
         fmt::format("{} faces of the result cannot be tessellated.", f.untessellated));
   }
-  if (!f.solidIn) return;
+  if (!f.solidIn) return reasons;
   if (t.solids == 0) reasons.emplace_back("The result holds no solid.");
   if (!t.closed()) {
     reasons.push_back(
@@ -209,6 +178,7 @@ void judgeTopology(const Figures& f, std::vector<std::string>& reasons) {
     reasons.push_back(fmt::format("{} of {} solids of the result have no positive volume.",
                                   t.badSolids, t.solids));
   }
+  return reasons;
 }
 
 void judgeAccuracy(const Figures& f, double tolerance, std::vector<std::string>& reasons) {
@@ -279,7 +249,7 @@ CheckResult judge(const Figures& f, double tolerance) {
   result.worstPoint = f.coverage.max > f.accuracy.max ? f.coverage.worst : f.accuracy.worst;
 
   if (!f.outEmpty) {
-    judgeTopology(f, result.reasons);
+    result.reasons = topologyFaults(f);
     if (f.outError.empty()) judgeAccuracy(f, tolerance, result.reasons);
   }
   if (f.outError.empty()) {
@@ -288,6 +258,41 @@ CheckResult judge(const Figures& f, double tolerance) {
     result.reasons.push_back("The result cannot be measured: " + f.outError + ".");
   }
   return result;
+}
+
+/// Runs in the child.
+Figures measure(const Model& in, const Model& out, MeasureOptions options, double tolerance) {
+  Figures figures;
+  figures.outEmpty = isEmpty(out);
+  const TessellateOptions mesh = meshOptions(in, options.distance);
+  const auto inDistance = ModelDistance::build(in.bodies, mesh, "the input");
+  if (!inDistance) {
+    figures.inError = inDistance.error().message;
+    return figures;
+  }
+  figures.solidIn = inDistance->hasSolids();
+  SampleRng coverageRng(kCoverageSeed);
+  if (figures.outEmpty) {
+    figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
+    return figures;
+  }
+  const TopoDS_Shape shape = compoundOf(out);
+  figures.topology = measureTopology(shape);
+  options.search = topologyFaults(figures).empty();  // else the verdict stands already
+  const auto outDistance = ModelDistance::build(out.bodies, mesh, "the result");
+  if (outDistance) {
+    SampleRng accuracyRng(kAccuracySeed);
+    figures.untessellated = outDistance->untessellatedFaces();
+    figures.accuracy = measureAccuracy(*inDistance, *outDistance, options, accuracyRng);
+    figures.coverage = measureCoverage(*inDistance, &*outDistance, options, coverageRng);
+  } else {
+    figures.outError = outDistance.error().message;
+    figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
+  }
+  if (judge(figures, tolerance).pass()) {  // meshing again takes time; only a pass can suffer
+    figures.untessellated = facesWithoutTriangles(shape, mesh.deflection, mesh.angle);
+  }
+  return figures;
 }
 
 Result<MeasureOptions> resolve(const Model& in, const CheckOptions& options) {
@@ -319,8 +324,9 @@ Result<CheckResult> checkOffset(const Model& in, const Model& out, const CheckOp
 
   GuardLimits limits;
   limits.seconds = options.timeLimit;
+  const double tolerance = resolved->tolerance / kCheckStrictness;
   const auto bytes = runInChild("checking the result", limits, [&]() -> Result<std::string> {
-    return bytesOf(measure(in, out, *resolved));
+    return bytesOf(measure(in, out, *resolved, tolerance));
   });
   if (!progress.report(1)) return fail(ErrorCode::Cancelled, "the check was cancelled");
   if (!bytes) {
@@ -331,7 +337,7 @@ Result<CheckResult> checkOffset(const Model& in, const Model& out, const CheckOp
   }
   const Figures figures = figuresOf(*bytes);
   if (!figures.inError.empty()) return fail(ErrorCode::Failed, figures.inError);
-  return judge(figures, resolved->tolerance / kCheckStrictness);
+  return judge(figures, tolerance);
 }
 
 }  // namespace phront::cad

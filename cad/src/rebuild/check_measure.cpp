@@ -293,7 +293,7 @@ AccuracyFigures measureAccuracy(const ModelDistance& in, const ModelDistance& ou
   sortByScore(seeds);
   figures.max = seeds.front().score;
   figures.worst = seeds.front().sample.point;
-  if (figures.max > options.maxTolerance) return figures;  // no need to look for worse
+  if (!options.search || figures.max > options.maxTolerance) return figures;
 
   const double floor = kSuspicious * options.maxTolerance;
   std::vector<Scored> suspects;
@@ -318,7 +318,7 @@ CoverageFigures measureCoverage(const ModelDistance& in, const ModelDistance* ou
   std::vector<Scored> seeds = tallySamples(in, offset, options, tally, rng);
   if (tally.figures.kept == 0) {
     searchRemains(in, offset, options, tally, rng);
-  } else if (out != nullptr && tally.figures.max <= options.maxTolerance) {
+  } else if (out != nullptr && options.search && tally.figures.max <= options.maxTolerance) {
     searchUncovered(in, *out, offset, options, std::move(seeds), tally, rng);
   }
   tally.finish();

@@ -10,6 +10,7 @@ struct MeasureOptions {
   double tolerance = 0;     ///< mm, what shares are counted above
   double maxTolerance = 0;  ///< mm, what single points are held to: guides the search for outliers
   int samples = 20'000;
+  bool search = true;  ///< for single points far off; false: the samples' maximum is enough
 };
 
 struct AccuracyFigures {

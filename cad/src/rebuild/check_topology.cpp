@@ -56,18 +56,6 @@ void countEdgeUses(const TopoDS_Shape& part, TopologyFigures& figures) {
   }
 }
 
-int facesWithoutTriangles(const TopoDS_Shape& shape, double deflection, double angle) {
-  BRepTools::Clean(shape);
-  BRepMesh_IncrementalMesh(shape, deflection, Standard_False, angle, Standard_False);
-  int missing = 0;
-  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
-    TopLoc_Location location;
-    const auto triangles = BRep_Tool::Triangulation(TopoDS::Face(f.Current()), location);
-    if (triangles.IsNull() || triangles->NbTriangles() == 0) ++missing;
-  }
-  return missing;
-}
-
 bool plausibleVolume(const TopoDS_Shape& solid, double volume) {
   if (!std::isfinite(volume) || volume <= 0) return false;
   Bnd_Box box;
@@ -79,7 +67,7 @@ bool plausibleVolume(const TopoDS_Shape& solid, double volume) {
 
 }  // namespace
 
-TopologyFigures measureTopology(const TopoDS_Shape& shape, double deflection, double angle) {
+TopologyFigures measureTopology(const TopoDS_Shape& shape) {
   TopologyFigures figures;
   if (shape.IsNull()) return figures;
   figures.solids = countOf(shape, TopAbs_SOLID);
@@ -101,8 +89,19 @@ TopologyFigures measureTopology(const TopoDS_Shape& shape, double deflection, do
     figures.volume += volume;
     if (!plausibleVolume(s.Current(), volume)) ++figures.badSolids;
   }
-  figures.untessellated = facesWithoutTriangles(shape, deflection, angle);
   return figures;
+}
+
+int facesWithoutTriangles(const TopoDS_Shape& shape, double deflection, double angle) {
+  BRepTools::Clean(shape);
+  BRepMesh_IncrementalMesh(shape, deflection, Standard_False, angle, Standard_False);
+  int missing = 0;
+  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
+    TopLoc_Location location;
+    const auto triangles = BRep_Tool::Triangulation(TopoDS::Face(f.Current()), location);
+    if (triangles.IsNull() || triangles->NbTriangles() == 0) ++missing;
+  }
+  return missing;
 }
 
 }  // namespace phront::cad

@@ -23,10 +23,11 @@ struct TopologyFigures {
   }
 };
 
-/// Meshes the shape once, plainly, with `deflection` (mm): what needs special care to be meshed
-/// here fails elsewhere. Leaves the triangles on the shape, and may throw, hang or crash with
-/// OpenCASCADE on a bad shape: call it in runInChild.
-[[nodiscard]] TopologyFigures measureTopology(const TopoDS_Shape& shape, double deflection,
-                                              double angle);
+/// May throw, hang or crash with OpenCASCADE on a bad shape: call it in runInChild.
+[[nodiscard]] TopologyFigures measureTopology(const TopoDS_Shape& shape);
+
+/// Faces that OpenCASCADE's mesher gives no triangles for when it is called plainly: what needs
+/// special care to be meshed here fails elsewhere. Leaves the triangles on the shape; as above.
+[[nodiscard]] int facesWithoutTriangles(const TopoDS_Shape& shape, double deflection, double angle);
 
 }  // namespace phront::cad
