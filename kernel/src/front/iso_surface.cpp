@@ -38,7 +38,8 @@ constexpr std::int64_t kCheapNodes = 400'000;
 // is cheap, in spacings of the grid at hand.
 constexpr double kOrdinaryDepth = 1.0 / 16;
 constexpr double kCheapDepth = 2e-3;
-constexpr int kUnfoldRounds = 4;
+constexpr int kUnfoldRounds = 5;
+constexpr int kKeepCreaseRounds = 2;
 
 double automaticSpacing(double level, double diagonal) {
   return std::min(kOrdinarySpacing * diagonal,
@@ -95,8 +96,12 @@ class Extraction {
       triangles_ = splitPolygons(surface_, topology_, vertices_, grid_.level(), threads_);
       if (round == kUnfoldRounds) return;
       std::vector<Index> folded = foldedVertices(surface_, triangles_, vertices_, threads_);
-      std::erase_if(folded, [&](Index v) { return safe[static_cast<std::size_t>(v)] != 0; });
-      if (folded.empty()) return;
+      // Vertices on creases give way last.
+      std::erase_if(folded, [&](Index v) {
+        const auto at = static_cast<std::size_t>(v);
+        return safe[at] != 0 || (round < kKeepCreaseRounds && vertices_[at].crease);
+      });
+      if (folded.empty() && round >= kKeepCreaseRounds) return;
       parallelFor(static_cast<std::int64_t>(folded.size()), threads_, kGrain,
                   [&](std::int64_t begin, std::int64_t end) {
                     for (std::int64_t i = begin; i < end; ++i) {

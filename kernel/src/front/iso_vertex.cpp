@@ -15,6 +15,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace phront {
 
@@ -60,6 +61,31 @@ VertexPlacer::VertexPlacer(const SurfaceDistance& surface, const LevelGrid& grid
       diagonal_(surface.box().diagonal().norm()),
       tolerance_(kTolerance * diagonal_) {}
 
+/// Where the level crosses an edge: |phi| is the least of the branches, so of the crossings of the
+/// two ends' tangent planes the one nearer to the surface counts; exact for two planar faces.
+Vec3 VertexPlacer::crossingOn(const std::array<Index, 2>& ends) const {
+  const double level = grid_.level();
+  const Vec3 from = grid_.positionOf(ends[0]);
+  const Vec3 along = grid_.positionOf(ends[1]) - from;
+  const double p0 = grid_.nodes()[static_cast<std::size_t>(ends[0])].phi;
+  const double p1 = grid_.nodes()[static_cast<std::size_t>(ends[1])].phi;
+  const double linear = std::clamp((level - p0) / (p1 - p0), 0.0, 1.0);
+  // Outside material (level > 0) phi is the least of the planes, inside the greatest.
+  const bool late = (level > 0) == (p1 > p0);
+  std::optional<double> plane;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const GridNode& node = grid_.nodes()[static_cast<std::size_t>(ends[k])];
+    if (!(std::abs(node.phi) > tolerance_)) continue;
+    const double slope = (grid_.positionOf(ends[k]) - node.foot).dot(along) / node.phi;
+    // A plane that the edge does not cross within itself, in the right direction, says nothing.
+    if (!(slope * (p1 - p0) > 0)) continue;
+    const double t = static_cast<double>(k) + (level - node.phi) / slope;
+    if (!(t >= 0 && t <= 1)) continue;
+    plane = !plane ? t : (late ? std::max(*plane, t) : std::min(*plane, t));
+  }
+  return from + plane.value_or(linear) * along;
+}
+
 VertexPlacer::Crossings VertexPlacer::crossingsOf(const IsoSite& site) const {
   const GridCell& cell = grid_.cells()[static_cast<std::size_t>(site.cell)];
   Crossings out;
@@ -72,10 +98,7 @@ VertexPlacer::Crossings VertexPlacer::crossingsOf(const IsoSite& site) const {
     const auto corners = cornersOfEdge(e);
     const std::array<Index, 2> pair{cell.node[static_cast<std::size_t>(corners[0])],
                                     cell.node[static_cast<std::size_t>(corners[1])]};
-    const double p0 = grid_.nodes()[static_cast<std::size_t>(pair[0])].phi;
-    const double p1 = grid_.nodes()[static_cast<std::size_t>(pair[1])].phi;
-    const double t = std::clamp((grid_.level() - p0) / (p1 - p0), 0.0, 1.0);
-    points[count] = (1 - t) * grid_.positionOf(pair[0]) + t * grid_.positionOf(pair[1]);
+    points[count] = crossingOn(pair);
     ends[count] = pair;
     out.mean += points[count++];
     for (const Index node : pair) {
@@ -341,13 +364,16 @@ IsoVertex VertexPlacer::place(const IsoSite& site) const {
     a += n * n.transpose();
     b += n * n.dot(node.foot + grid_.level() * n);
   }
-  const Vec3 start = clampToCell(quadricMinimum(a, b, crossings.mean), crossings.lower,
-                                 grid_.spacing(), kStartMargin);
+  Vec3 start = clampToCell(quadricMinimum(a, b, crossings.mean), crossings.lower, grid_.spacing(),
+                           kStartMargin);
   IsoVertex vertex;
   // Feet give no directions on the surface itself; the quadric has found its creases.
   if (radius_ > tolerance_) {
     const Branches branches = gather(crossings, start);
-    if (branches.size() > 1 && creaseVertex(branches, crossings, vertex)) return vertex;
+    if (branches.size() > 1) {
+      if (creaseVertex(branches, crossings, vertex)) return vertex;
+      start = crossings.mean;  // the quadric sits on a crease that is another cell's
+    }
   }
   const Index hint = grid_.nodes()[static_cast<std::size_t>(crossings.edge[0])].triangle;
   if (project(start, hint, crossings, vertex)) return vertex;

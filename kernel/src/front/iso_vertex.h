@@ -38,6 +38,7 @@ class VertexPlacer {
   using Branches = std::vector<Branch>;
 
   [[nodiscard]] Crossings crossingsOf(const IsoSite& site) const;
+  [[nodiscard]] Vec3 crossingOn(const std::array<Index, 2>& ends) const;
   [[nodiscard]] bool walk(Branch& branch, const Vec3& x) const;
   [[nodiscard]] Branches gather(const Crossings& crossings, const Vec3& x) const;
   [[nodiscard]] bool reachable(const Vec3& x, const Vec3& lower) const;
