@@ -10,8 +10,8 @@
 namespace phront::cad {
 
 struct GuardLimits {
-  double seconds = 30;     ///< wall clock; the child is killed after
-  double memoryMiB = 4096; ///< address space on top of what the parent has mapped
+  double seconds = 30;      ///< wall clock; the child is killed after
+  double memoryMiB = 4096;  ///< address space on top of what the parent has mapped
 };
 
 /// Runs `work` in a forked child and returns the bytes it returns. An exception, a signal, an exit,
@@ -22,8 +22,8 @@ struct GuardLimits {
 [[nodiscard]] Result<std::string> runInChild(const std::string& what, const GuardLimits& limits,
                                              const std::function<Result<std::string>()>& work);
 
-/// Calls `work` in this process, turning Standard_Failure and std::exception into an Error. For calls
-/// that may throw but are known neither to hang nor to crash.
+/// Calls `work` in this process, turning Standard_Failure and std::exception into an Error. For
+/// calls that may throw but are known neither to hang nor to crash.
 template <class Work>
 auto guardOcct(const std::string& what, Work&& work) -> decltype(work());
 

@@ -33,6 +33,8 @@
 #include <cctype>
 #include <sstream>
 
+#include "exchange/step_string.h"
+
 namespace phront::cad {
 namespace {
 
@@ -91,7 +93,7 @@ void nameEntities(const XSControl_WorkSession& session, Loaded& loaded) {
       if (isFace && lost++ == 0) firstLost = fmt::format("#{}", model->IdentLabel(item));
       continue;
     }
-    const std::string name = asText(item->Name());
+    const std::string name = textOfStepString(asText(item->Name()));
     if (name.empty() || name == "NONE") continue;
     const TopAbs_ShapeEnum kind = isFace ? TopAbs_FACE : TopAbs_SOLID;
     for (TopExp_Explorer it(shape, kind); it.More(); it.Next()) {
@@ -104,14 +106,17 @@ void nameEntities(const XSControl_WorkSession& session, Loaded& loaded) {
   }
 }
 
-std::string nothingSentence(const StepScan& scan) {
-  if (!scan.externalFiles.empty()) {
-    return fmt::format(
-        "it holds no geometry of its own: its parts lie in other files ({}{}); give "
-        "a file that contains them",
-        scan.externalFiles.front(), scan.externalFiles.size() > 1 ? ", ..." : "");
-  }
-  return "it holds no shapes that OpenCASCADE can read";
+std::string externalSentence(const StepScan& scan) {
+  if (scan.externalFiles.empty()) return {};
+  return fmt::format(
+      "it holds no geometry of its own: its parts lie in other files ({}{}); give a file that "
+      "contains them",
+      scan.externalFiles.front(), scan.externalFiles.size() > 1 ? ", ..." : "");
+}
+
+tl::unexpected<Error> nothing(const std::string& reason) {
+  return fail(ErrorCode::UnreadableInput,
+              reason.empty() ? "it holds no shapes that OpenCASCADE can read" : reason);
 }
 
 }  // namespace
@@ -140,14 +145,15 @@ Result<Loaded> loadStep(const FileText& file, const StepScan& scan) {
   Handle(TDocStd_Document) document = new TDocStd_Document("BinXCAF");
   const Handle(XCAFDoc_ShapeTool) tool = XCAFDoc_DocumentTool::ShapeTool(document->Main());
   XCAFDoc_ShapeTool::SetAutoNaming(Standard_False);
-  if (!reader.Transfer(document)) return fail(ErrorCode::UnreadableInput, nothingSentence(scan));
   Loaded loaded;
+  loaded.emptyReason = externalSentence(scan);
+  if (!reader.Transfer(document)) return nothing(loaded.emptyReason);
   loaded.unit = scan.unit;
   loaded.unitInMm = scan.unitInMm;
   TDF_LabelSequence roots;
   tool->GetFreeShapes(roots);
   for (const TDF_Label& root : roots) collect(root, TopLoc_Location(), 0, loaded);
-  if (loaded.shapes.empty()) return fail(ErrorCode::UnreadableInput, nothingSentence(scan));
+  if (loaded.shapes.empty()) return nothing(loaded.emptyReason);
   nameEntities(*reader.Reader().WS(), loaded);
   return loaded;
 }
@@ -161,9 +167,7 @@ Result<Loaded> loadIges(const std::filesystem::path& path) {
   reader.SetReadVisible(Standard_True);
   reader.TransferRoots();
   const TopoDS_Shape shape = reader.OneShape();
-  if (shape.IsNull()) {
-    return fail(ErrorCode::UnreadableInput, "it holds no shapes that OpenCASCADE can read");
-  }
+  if (shape.IsNull()) return nothing({});
   Loaded loaded;
   loaded.shapes.push_back({shape, {}});
   const Handle(IGESData_IGESModel) model = reader.IGESModel();
@@ -183,11 +187,6 @@ Result<Loaded> loadIges(const std::filesystem::path& path) {
   loaded.unitInMm = model->GlobalSection().UnitValue();
   loaded.unit = asText(model->GlobalSection().UnitName());
   for (char& c : loaded.unit) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  if (loaded.unitInMm != 1) {
-    loaded.warnings.push_back(
-        fmt::format("the file's length unit is {}: all lengths are now mm (1 {} = {:g} mm)",
-                    loaded.unit, loaded.unit, loaded.unitInMm));
-  }
   return loaded;
 }
 

@@ -34,6 +34,7 @@ struct Loaded {
   std::string unit = "mm";
   double unitInMm = 1;
   std::vector<std::string> warnings;
+  std::string emptyReason;  ///< why there may be no faces; empty when nothing is known
 };
 
 /// Failures are ends of sentences ("it holds no faces"), to be put after "reading NAME: ".

@@ -3,7 +3,9 @@
 #include "exchange/make_bodies.h"
 
 #include <fmt/format.h>
+#include <BRepBndLib.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <ShapeAnalysis_ShapeTolerance.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -18,11 +20,10 @@
 namespace phront::cad {
 namespace {
 
-constexpr double kSewShare = 1e-5;        // of the diagonal
-constexpr double kSmallestSewing = 1e-6;  // mm
 // Above this share of the diagonal edges and vertices say little about where faces end.
 constexpr double kLargeTolerance = 1e-3;
-// Above this share the faces do not meet at all.
+constexpr double kQuickLook = 0.1;  // margin of the quick box against the tight one
+// Above this share the faces do not meet at all, whatever the file claims.
 constexpr double kAbsurdTolerance = 0.25;
 
 // A sentence's end why the vertices are nonsense, or empty.
@@ -58,12 +59,37 @@ class BodyMaker {
     model_.warnings = loaded_.warnings;
     for (const NamedShape& named : loaded_.shapes) addSolids(named);
     addLooseFaces();
-    if (model_.bodies.empty()) return fail(ErrorCode::UnreadableInput, "it holds no faces");
+    if (!defect_.empty()) return fail(ErrorCode::UnreadableInput, defect_);
+    if (model_.bodies.empty()) return fail(ErrorCode::UnreadableInput, noFaces());
+    if (loaded_.unitInMm != 1) tellSize();
     for (std::size_t b = 0; b < model_.bodies.size(); ++b) nameFaces(model_.bodies[b]);
     return std::move(model_);
   }
 
  private:
+  [[nodiscard]] std::string noFaces() const {
+    if (!loaded_.emptyReason.empty()) return loaded_.emptyReason;
+    for (const NamedShape& named : loaded_.shapes) {
+      if (TopExp_Explorer(named.shape, TopAbs_EDGE).More()) return "it holds edges but no faces";
+    }
+    return "it holds no faces";
+  }
+
+  // A wrong unit is seen by the size.
+  void tellSize() {
+    Bnd_Box box;
+    for (const Body& body : model_.bodies) {
+      BRepBndLib::Add(occtShape(body.shape), box, Standard_False);
+    }
+    if (box.IsVoid()) return;
+    const gp_XYZ size = box.CornerMax().XYZ() - box.CornerMin().XYZ();
+    model_.warnings.push_back(
+        fmt::format("the file's length unit is {} (1 {} = {:g} mm): the model measures {:.4g} x "
+                    "{:.4g} x {:.4g} "
+                    "mm",
+                    model_.unit, model_.unit, model_.unitInMm, size.X(), size.Y(), size.Z()));
+  }
+
   void addSolids(const NamedShape& named) {
     int solids = 0;
     for (TopExp_Explorer it(named.shape, TopAbs_SOLID); it.More(); it.Next()) ++solids;
@@ -81,7 +107,7 @@ class BodyMaker {
         add({solid, true}, name);
         continue;
       }
-      RepairContext context = contextOf(solid, name);
+      RepairContext context = contextOf(name);
       for (const RepairedBody& body : repairSolid(solid, context)) add(body, name);
     }
   }
@@ -105,10 +131,11 @@ class BodyMaker {
       for (const FaceSet& faces : componentsOf(loose)) add({shellOf(faces), false}, name);
       return;
     }
-    RepairContext context = contextOf(shellOf(loose), name);
+    RepairContext context = contextOf(name);
+    context.sewTolerance = options_.sewTolerance.value_or(sewToleranceOf(shellOf(loose)));
     const EdgeUse asRead = edgeUse(loose);
     std::vector<RepairedBody> bodies = sewFaces(loose, context);
-    reportSewing(asRead, bodies, context.sewTolerance);
+    reportSewing(asRead, bodies, *context.sewTolerance);
     for (const RepairedBody& body : bodies) add(body, name);
   }
 
@@ -133,9 +160,8 @@ class BodyMaker {
     }
   }
 
-  RepairContext contextOf(const TopoDS_Shape& shape, const std::string& name) {
-    const double automatic = std::max(kSmallestSewing, kSewShare * boxDiagonal(shape));
-    return {loaded_.names, model_.warnings, options_.sewTolerance.value_or(automatic),
+  RepairContext contextOf(const std::string& name) {
+    return {loaded_.names, model_.warnings, options_.sewTolerance,
             label(model_.bodies.size(), name)};
   }
 
@@ -152,15 +178,29 @@ class BodyMaker {
     model_.bodies.push_back(std::move(body));
   }
 
+  // Edges and vertices that miss each other by a large tolerance: a warning, or refusal.
   void checkTolerance(const TopoDS_Shape& shape, const std::string& name) {
     ShapeAnalysis_ShapeTolerance analysis;
     const double tolerance = analysis.Tolerance(shape, 1);
+    Bnd_Box quick;  // too large by the tolerance itself; the tight one takes seconds on freeform
+    BRepBndLib::Add(shape, quick, Standard_False);
+    if (quick.IsVoid()) return;
+    const double quickDiagonal = quick.CornerMin().Distance(quick.CornerMax());
+    if (tolerance < kQuickLook * kLargeTolerance * quickDiagonal) return;
     const double diagonal = boxDiagonal(shape);
     if (!(tolerance > kLargeTolerance * diagonal)) return;
+    const std::string who = label(model_.bodies.size(), name);
+    if (tolerance > kAbsurdTolerance * diagonal) {
+      defect_ = fmt::format(
+          "{}, {:.3g} mm across, has edges that miss each other by up to {:.3g} mm: a point is "
+          "probably wrong",
+          who, diagonal, tolerance);
+      return;
+    }
     model_.warnings.push_back(fmt::format(
-        "{} has edges or vertices with a tolerance of {:.3g} mm ({:.2g} % of its size): "
-        "its faces meet no better than that",
-        label(model_.bodies.size(), name), tolerance, 100 * tolerance / diagonal));
+        "{} has edges or vertices with a tolerance of {:.3g} mm ({:.2g} % of its size): its faces "
+        "meet no better than that",
+        who, tolerance, 100 * tolerance / diagonal));
   }
 
   void nameFaces(Body& body) const {
@@ -174,6 +214,7 @@ class BodyMaker {
   Loaded loaded_;
   const ReadOptions& options_;
   Model model_;
+  std::string defect_;  ///< end of the sentence that refuses the file
 };
 
 }  // namespace

@@ -34,6 +34,10 @@ namespace {
 constexpr double kHealedVolumeChange = 1e-3;    // of the volume
 constexpr double kHealedDiagonalChange = 1e-3;  // of the diagonal
 
+// Sewing distance: files without topology are mostly written to 1e-5 or 1e-6 of their size.
+constexpr double kSewShare = 1e-5;
+constexpr double kSmallestSewing = 1e-6;  // mm
+
 double volumeOf(const TopoDS_Shape& shape) {
   GProp_GProps properties;
   BRepGProp::VolumeProperties(shape, properties);
@@ -187,12 +191,13 @@ std::vector<RepairedBody> closeOrOpen(const std::vector<FaceSet>& shells, Repair
     all.insert(all.end(), faces.begin(), faces.end());
     freeEdges += edgeUse(faces).freeEdges;
   }
+  if (!context.sewTolerance) context.sewTolerance = sewToleranceOf(shellOf(all));
   std::vector<RepairedBody> sewn = sewFaces(all, context);
   const bool closed = !sewn.empty() && std::all_of(sewn.begin(), sewn.end(),
                                                    [](const RepairedBody& b) { return b.solid; });
   if (closed) {
     context.warnings.push_back(fmt::format("{} had {}: sewn within {:.3g} mm", context.label,
-                                           plural(freeEdges, "free edge"), context.sewTolerance));
+                                           plural(freeEdges, "free edge"), *context.sewTolerance));
     return sewn;
   }
   context.warnings.push_back(fmt::format("{} is not closed: read as a sheet: {}", context.label,
@@ -209,12 +214,19 @@ double boxDiagonal(const TopoDS_Shape& shape) {
   return box.CornerMin().Distance(box.CornerMax());
 }
 
+double sewToleranceOf(const TopoDS_Shape& shape) {
+  return std::max(kSmallestSewing, kSewShare * boxDiagonal(shape));
+}
+
 std::vector<RepairedBody> sewFaces(const FaceSet& faces, RepairContext& context) {
-  BRepBuilderAPI_Sewing sewing(context.sewTolerance);
+  const double tolerance = context.sewTolerance.value_or(sewToleranceOf(shellOf(faces)));
+  BRepBuilderAPI_Sewing sewing(tolerance);
   for (const TopoDS_Face& face : faces) sewing.Add(face);
   sewing.Perform();
   const TopoDS_Shape sewn = sewing.SewedShape();
   if (sewn.IsNull()) return asSheets({faces});
+  // A face narrower than the tolerance is sewn to itself: better leave it alone.
+  if (faces.size() == 1 && !BRepCheck_Analyzer(sewn).IsValid()) return asSheets({faces});
   const SewnOrder order(faces, sewing, context.names);
   std::vector<RepairedBody> bodies;
   TopTools_IndexedMapOfShape shells;

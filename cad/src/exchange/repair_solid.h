@@ -2,6 +2,7 @@
 #pragma once
 
 #include <TopoDS_Shape.hxx>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,8 +19,8 @@ struct RepairedBody {
 struct RepairContext {
   ShapeNames& names;  ///< names move to faces that replace others
   std::vector<std::string>& warnings;
-  double sewTolerance = 0;  ///< mm
-  std::string label;        ///< of the body, for sentences ("body 'cover'")
+  std::optional<double> sewTolerance;  ///< mm; automatic: sewToleranceOf(the faces)
+  std::string label;                   ///< of the body, for sentences ("body 'cover'")
 };
 
 /// Sews faces that may belong together. Closed shells become solids with positive volume, the rest
@@ -31,6 +32,9 @@ struct RepairContext {
 /// warning.
 [[nodiscard]] std::vector<RepairedBody> repairSolid(const TopoDS_Shape& solid,
                                                     RepairContext& context);
+
+/// max(1e-6 mm, 1e-5 of the diagonal).
+[[nodiscard]] double sewToleranceOf(const TopoDS_Shape& shape);
 
 [[nodiscard]] double boxDiagonal(const TopoDS_Shape& shape);  ///< mm, tight; 0 when void
 

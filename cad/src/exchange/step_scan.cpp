@@ -175,16 +175,22 @@ std::optional<Unit> siLength(std::string_view text) {
   return Unit{"m", 1000};
 }
 
+// Names in files vary (INCH, inch, Inches): the factor says what is meant.
+Unit conversionUnit(const std::string& name, double inMm) {
+  static const Unit kKnown[] = {{"mm", 1}, {"cm", 10}, {"m", 1000}, {"in", 25.4}, {"ft", 304.8}};
+  for (const Unit& unit : kKnown) {
+    if (std::abs(inMm - unit.inMm) <= 1e-9 * unit.inMm) return unit;
+  }
+  return {name, inMm};
+}
+
 std::optional<Unit> lengthUnit(const StepText& file, const StepEntity& entity, int depth = 0) {
   constexpr int kDeepestUnit = 8;
   if (depth > kDeepestUnit) return std::nullopt;
   if (!hasKeyword(entity.text, "LENGTH_UNIT")) return std::nullopt;
   if (hasKeyword(entity.text, "SI_UNIT")) return siLength(entity.text);
   if (!hasKeyword(entity.text, "CONVERSION_BASED_UNIT")) return std::nullopt;
-  std::string name = upperBetweenQuotes(entity.text);
-  if (name == "INCH") name = "in";
-  if (name == "FOOT") name = "ft";
-  if (name == "METRE" || name == "METER") name = "m";
+  const std::string name = upperBetweenQuotes(entity.text);
   const auto& all = file.entities();
   for (const std::size_t m : file.targets(entity)) {
     if (!hasKeyword(all[m].text, "LENGTH_MEASURE_WITH_UNIT") &&
@@ -193,11 +199,11 @@ std::optional<Unit> lengthUnit(const StepText& file, const StepEntity& entity, i
     }
     for (const std::size_t u : file.targets(all[m])) {
       if (const auto base = lengthUnit(file, all[u], depth + 1)) {
-        return Unit{name, all[m].lastNumber * base->inMm};
+        return conversionUnit(name, all[m].lastNumber * base->inMm);
       }
     }
   }
-  return Unit{name, name == "in" ? 25.4 : 1};
+  return conversionUnit(name, name == "INCH" ? 25.4 : 1);
 }
 
 void findUnits(const StepText& file, StepScan& scan) {
@@ -222,10 +228,32 @@ void findUnits(const StepText& file, StepScan& scan) {
   } else if (several) {
     scan.warnings.push_back(
         "the file mixes length units: each part is read in its own, all lengths are now mm");
-  } else if (scan.unitInMm != 1) {
-    scan.warnings.push_back(
-        fmt::format("the file's length unit is {}: all lengths are now mm (1 {} = {:g} mm)",
-                    scan.unit, scan.unit, scan.unitInMm));
+  }
+}
+
+bool isShell(const StepEntity& entity) {
+  return entity.keyword == "CLOSED_SHELL" || entity.keyword == "OPEN_SHELL";
+}
+
+// Faults of shells that OpenCASCADE mends without a word.
+void findShellFaults(const StepText& file, StepScan& scan) {
+  const auto& all = file.entities();
+  for (const StepEntity& entity : all) {
+    if (isShell(entity)) {
+      std::vector<std::size_t> faces = file.targets(entity);
+      std::sort(faces.begin(), faces.end());
+      const auto twice = std::adjacent_find(faces.begin(), faces.end());
+      if (twice != faces.end()) {
+        scan.warnings.push_back(fmt::format("{} lists {} twice: the repetition is dropped",
+                                            nameOf(entity), nameOf(all[*twice])));
+      }
+    } else if (entity.keyword == "MANIFOLD_SOLID_BREP") {
+      for (const std::size_t t : file.targets(entity)) {
+        if (all[t].keyword != "OPEN_SHELL") continue;
+        scan.warnings.push_back(fmt::format("solid {} is bounded by {}, which claims to be open",
+                                            nameOf(entity), nameOf(all[t])));
+      }
+    }
   }
 }
 
@@ -284,6 +312,7 @@ StepScan scanStep(std::string_view text) {
   }
   findUnits(file, scan);
   findMissing(file, scan);
+  findShellFaults(file, scan);
   return scan;
 }
 
