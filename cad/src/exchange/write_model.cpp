@@ -59,7 +59,7 @@ void nameItem(const STEPControl_Writer& writer, const TopoDS_Shape& shape,
 }
 
 // The writer numbers the product names it is given; the file shall have them as they are.
-void nameProducts(const STEPControl_Writer& writer, const std::vector<std::string>& names) {
+void nameProducts(STEPControl_Writer& writer, const std::vector<std::string>& names) {
   std::vector<Handle(StepBasic_Product)> products;
   const Handle(StepData_StepModel) model = writer.Model();
   for (int i = 1; i <= model->NbEntities(); ++i) {
