@@ -9,6 +9,7 @@
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <GProp_GProps.hxx>
+#include <ShapeFix_Shape.hxx>
 #include <ShapeUpgrade_ShapeDivideClosed.hxx>
 #include <ShapeUpgrade_ShapeDivideClosedEdges.hxx>
 #include <ShapeUpgrade_ShapeDivideContinuity.hxx>
@@ -41,12 +42,16 @@ template <class Step>
 void apply(HealedShape& healed, const std::string& name, Step&& step) {
   try {
     const TopoDS_Shape before = healed.shape;
-    const TopoDS_Shape after = step(before);
+    TopoDS_Shape after = step(before);
     if (after.IsNull() || after.IsSame(before)) return;
+    if (!BRepCheck_Analyzer(after).IsValid()) {
+      // The divisions leave edges behind whose parameter curves run differently.
+      ShapeFix_Shape fix(after);
+      fix.Perform();
+      after = fix.Shape();
+    }
     const double area = areaOf(before);
-    const bool wasValid = BRepCheck_Analyzer(before).IsValid();
-    if (std::abs(areaOf(after) - area) > kAreaChange * area ||
-        (wasValid && !BRepCheck_Analyzer(after).IsValid())) {
+    if (std::abs(areaOf(after) - area) > kAreaChange * area) {
       healed.notes.push_back(name + " changed the shape and was left out");
       return;
     }
