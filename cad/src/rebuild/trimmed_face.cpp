@@ -1,8 +1,8 @@
 // Feet on edges: nearest segment of the edge's polygon, then Newton on (C(t) - x) . C'(t) = 0, kept
-// in the edge's range and halved until the distance falls. Trimmed domains: OpenCASCADE's
-// classifier of points in (u,v), the tolerance turned into parameters by the surface's resolution.
+// in the edge's range and halved until the distance falls.
 #include "rebuild/trimmed_face.h"
 
+#include <BRepClass_FaceClassifier.hxx>
 #include <BRep_Tool.hxx>
 #include <Precision.hxx>
 #include <TopExp.hxx>
@@ -65,7 +65,25 @@ EdgeFoot ExactEdge::foot(const Vec3& x, std::size_t segment) const {
   const Vec3 along = s.to - s.from;
   const double share =
       std::clamp(along.dot(x - s.from) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
-  double t = std::clamp(s.first + share * (s.last - s.first), first_, last_);
+  const double start = std::clamp(s.first + share * (s.last - s.first), first_, last_);
+  EdgeFoot foot = newton(x, start);
+  // A closed edge goes on where its range ends.
+  const bool closed = firstVertex_ == lastVertex_;
+  if (closed && foot.parameter - first_ <= kConverged * (last_ - first_)) {
+    const EdgeFoot other = newton(x, last_);
+    if (other.distance < foot.distance) foot = other;
+  } else if (closed && last_ - foot.parameter <= kConverged * (last_ - first_)) {
+    const EdgeFoot other = newton(x, first_);
+    if (other.distance < foot.distance) foot = other;
+  }
+  const double speed = std::max(tangent(foot.parameter).norm(), 1e-300);
+  const double tie = std::min(2 * tolerance_ / speed, 0.25 * (last_ - first_));
+  if (foot.parameter - first_ <= tie) foot.vertex = firstVertex_;
+  if (last_ - foot.parameter <= tie) foot.vertex = lastVertex_;
+  return foot;
+}
+
+EdgeFoot ExactEdge::newton(const Vec3& x, double t) const {
   EdgeFoot foot;
   foot.edge = number_;
   gp_Pnt p;
@@ -95,26 +113,27 @@ EdgeFoot ExactEdge::foot(const Vec3& x, std::size_t segment) const {
     }
     if (!moved) break;
   }
-  const double speed = std::max(toVec3(d1.XYZ()).norm(), 1e-300);
-  const double tie = std::min(2 * tolerance_ / speed, 0.25 * (last_ - first_));
-  if (foot.parameter - first_ <= tie) foot.vertex = firstVertex_;
-  if (last_ - foot.parameter <= tie) foot.vertex = lastVertex_;
   return foot;
 }
 
-TrimmedFace::TrimmedFace(const TopoDS_Face& face, std::vector<Index> border, double edgeTolerance)
-    : face_(face), surface_(face), border_(std::move(border)), edgeTolerance_(edgeTolerance) {}
+Vec3 ExactEdge::tangent(double parameter) const {
+  gp_Pnt p;
+  gp_Vec d;
+  curve_->D1(parameter, p, d);
+  return toVec3(d.XYZ());
+}
 
-bool TrimmedFace::contains(const Eigen::Vector2d& uv) const {
-  if (!classifier_) {
-    const BRepAdaptor_Surface& adaptor = surface_.adaptor();
-    const double resolution =
-        std::min(adaptor.UResolution(2 * edgeTolerance_), adaptor.VResolution(2 * edgeTolerance_));
-    classifier_ = std::make_unique<BRepTopAdaptor_FClass2d>(
-        TopoDS::Face(face_.Oriented(TopAbs_FORWARD)), std::max(resolution, 1e-12));
-  }
-  const TopAbs_State state = classifier_->Perform(gp_Pnt2d(uv.x(), uv.y()), Standard_True);
-  return state == TopAbs_IN || state == TopAbs_ON;
+TrimmedFace::TrimmedFace(const TopoDS_Face& face, std::vector<BorderEdge> border)
+    : face_(face), surface_(face), border_(std::move(border)) {}
+
+bool TrimmedFace::hasBorder(Index edge) const {
+  return std::any_of(border_.begin(), border_.end(),
+                     [&](const BorderEdge& b) { return b.edge == edge; });
+}
+
+bool TrimmedFace::classify(const Eigen::Vector2d& uv, double tolerance) const {
+  const BRepClass_FaceClassifier classifier(face_, gp_Pnt2d(uv.x(), uv.y()), tolerance);
+  return classifier.State() == TopAbs_IN || classifier.State() == TopAbs_ON;
 }
 
 }  // namespace phront::cad

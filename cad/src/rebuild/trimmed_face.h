@@ -2,7 +2,6 @@
 #pragma once
 
 #include <BRepAdaptor_Curve.hxx>
-#include <BRepTopAdaptor_FClass2d.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <memory>
@@ -43,10 +42,14 @@ class ExactEdge {
 
   /// Nearest segment and its distance.
   [[nodiscard]] std::pair<double, std::size_t> nearestSegment(const Vec3& x) const;
-  /// Foot on the exact curve, from a segment; not finite when Newton fails.
+  /// Local foot on the exact curve, from a segment.
   [[nodiscard]] EdgeFoot foot(const Vec3& x, std::size_t segment) const;
+  /// Derivative of the curve.
+  [[nodiscard]] Vec3 tangent(double parameter) const;
 
  private:
+  [[nodiscard]] EdgeFoot newton(const Vec3& x, double parameter) const;
+
   std::optional<BRepAdaptor_Curve> curve_;
   std::vector<Segment> segments_;
   Box3 box_;
@@ -60,22 +63,26 @@ class ExactEdge {
   bool straight_ = false;
 };
 
-/// One face: its surface, its trimmed domain, the numbers of its border edges.
+/// One face: its surface and its border edges.
 class TrimmedFace {
  public:
-  TrimmedFace(const TopoDS_Face& face, std::vector<Index> border, double edgeTolerance);
+  struct BorderEdge {
+    Index edge = kNone;
+    bool reversed = false;  ///< the oriented face runs the edge against its curve
+  };
+  TrimmedFace(const TopoDS_Face& face, std::vector<BorderEdge> border);
 
   [[nodiscard]] const FaceSurface& surface() const { return surface_; }
-  [[nodiscard]] const std::vector<Index>& border() const { return border_; }
-  /// Inside the trimmed domain or within twice the edges' tolerance of its border.
-  [[nodiscard]] bool contains(const Eigen::Vector2d& uv) const;
+  [[nodiscard]] const std::vector<BorderEdge>& border() const { return border_; }
+  [[nodiscard]] bool hasBorder(Index edge) const;
+
+  /// Slow and exact, for the neighbourhood of vertices.
+  [[nodiscard]] bool classify(const Eigen::Vector2d& uv, double tolerance) const;
 
  private:
   TopoDS_Face face_;
   FaceSurface surface_;
-  std::vector<Index> border_;
-  double edgeTolerance_ = 0;
-  mutable std::unique_ptr<BRepTopAdaptor_FClass2d> classifier_;  // made at first use
+  std::vector<BorderEdge> border_;  ///< by number
 };
 
 }  // namespace phront::cad

@@ -2,11 +2,13 @@
 //
 // The nearest triangle names a face and parameters on it; the foot on the face's untrimmed surface
 // (closed form or Newton) counts if it lies in the trimmed domain, else the foot on the face's
-// border curves does. As triangles deviate from their faces, every other face whose triangles come
-// within the best distance plus twice its own deflection is tried too. A refined foot is accepted
-// only if its distance agrees with the triangles' within a few chordal errors, so that a Newton
-// iteration gone astray costs accuracy, never correctness. Weak spots: the measured deflection is a
-// sample; where it is too small, a nearer face may be missed by the difference.
+// border curves does. Far from the border the triangles know the domain; within their chordal error
+// of it the side of the nearest border point decides. As triangles deviate from their faces, every
+// other face whose triangles come within the best distance plus twice its own deflection is tried
+// too. A refined foot is accepted only if its distance agrees with the triangles' within a few
+// chordal errors, so that a Newton iteration gone astray costs accuracy, never correctness. Weak
+// spots: the measured deflection is a sample; where it is too small, a nearer face may be missed by
+// the difference.
 #include "rebuild/true_distance.h"
 
 #include <BRep_Tool.hxx>
@@ -47,6 +49,7 @@ struct Candidate {
   Index edge = kNone;  // the foot lies on this edge, sharp or smooth
   Eigen::Vector2d uv = Eigen::Vector2d::Zero();
   double parameter = 0;  // on the edge
+  Index vertex = kNone;  // the foot is this end of the edge, sharp or smooth
 };
 
 // Barycentric coordinates of a point in a triangle of the parameter plane.
@@ -72,6 +75,7 @@ struct TrueDistance::Impl {
   SurfaceDistance surface;
   std::vector<std::unique_ptr<TrimmedFace>> faces;
   std::vector<Box3> faceBoxes;
+  std::vector<double> slack;  // per face, how far its triangles may miss it, borders included
   std::vector<ExactEdge> edges;
   std::vector<std::vector<EdgeUse>> usesOfEdge;
   std::vector<std::vector<Index>> apices;  // per face, vertices of its degenerated edges
@@ -81,7 +85,8 @@ struct TrueDistance::Impl {
 
   void indexShape(const TopoDS_Shape& shape);
   void indexTriangles();
-  [[nodiscard]] bool insideDomain(Index face, Index triangle, const Eigen::Vector2d& uv) const;
+  [[nodiscard]] bool insideDomain(Index face, Index triangle, const Eigen::Vector2d& uv,
+                                  const Vec3& point) const;
   [[nodiscard]] Candidate borderFoot(const Vec3& x, Index face) const;
   [[nodiscard]] Candidate meshCandidate(const FootPoint& foot) const;
   [[nodiscard]] Candidate refine(const Vec3& x, const FootPoint& foot) const;
@@ -93,8 +98,7 @@ struct TrueDistance::Impl {
 
 void TrueDistance::Impl::indexShape(const TopoDS_Shape& shape) {
   ShapeIndex index(shape);
-  std::vector<std::vector<Index>> border(index.surfaces.size());
-  std::vector<double> tolerance(index.surfaces.size(), 0);
+  std::vector<std::vector<TrimmedFace::BorderEdge>> border(index.surfaces.size());
   apices.resize(index.surfaces.size());
   for (std::size_t e = 0; e < index.uses.size(); ++e) {
     const TopoDS_Edge& edge = TopoDS::Edge(index.maps.edges(static_cast<int>(e) + 1));
@@ -107,7 +111,6 @@ void TrueDistance::Impl::indexShape(const TopoDS_Shape& shape) {
     const std::vector<EdgeUse>& uses = index.uses[e];
     for (std::size_t i = 0; i < uses.size(); ++i) {
       const std::size_t f = at(uses[i].faceIndex);
-      tolerance[f] = std::max(tolerance[f], edges.back().tolerance());
       if (BRep_Tool::Degenerated(edge)) {
         if (first != kNone) apices[f].push_back(first);
         continue;
@@ -115,12 +118,13 @@ void TrueDistance::Impl::indexShape(const TopoDS_Shape& shape) {
       const auto inFace = std::count_if(uses.begin(), uses.end(), [&](const EdgeUse& u) {
         return u.faceIndex == uses[i].faceIndex;
       });
-      if (inFace == 1) border[f].push_back(static_cast<Index>(e));  // seams are no border
+      if (inFace != 1) continue;  // seams are no border
+      border[f].push_back({static_cast<Index>(e), uses[i].edge.Orientation() == TopAbs_REVERSED});
     }
   }
   for (std::size_t f = 0; f < border.size(); ++f) {
     const TopoDS_Face& face = TopoDS::Face(index.maps.faces(static_cast<int>(f) + 1));
-    faces.push_back(std::make_unique<TrimmedFace>(face, std::move(border[f]), tolerance[f]));
+    faces.push_back(std::make_unique<TrimmedFace>(face, std::move(border[f])));
   }
   usesOfEdge = std::move(index.uses);
 }
@@ -146,8 +150,7 @@ void TrueDistance::Impl::indexTriangles() {
     const Index face = mesh.faceOf[at(s.triangle)];
     const Index from = mesh.triangles[at(s.triangle)][at(s.side)];
     const Index to = mesh.triangles[at(s.triangle)][at((s.side + 1) % 3)];
-    const auto& border = faces[at(face)]->border();
-    if (std::binary_search(border.begin(), border.end(), s.edge)) {
+    if (faces[at(face)]->hasBorder(s.edge)) {
       onEdge[at(from)] = onEdge[at(to)] = true;
       if (!edges[at(s.edge)].straight()) touch[at(s.triangle)] |= kCurvedBorderSide;
     }
@@ -156,6 +159,12 @@ void TrueDistance::Impl::indexTriangles() {
     segments[at(s.edge)].push_back({mesh.points[at(from)], mesh.points[at(to)], s.first, s.last});
   }
   for (std::size_t e = 0; e < edges.size(); ++e) edges[e].setSegments(std::move(segments[e]));
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    slack.push_back(tessellation.features.faces[f].deflection);
+    for (const auto& b : faces[f]->border()) {
+      slack[f] = std::max(slack[f], edges[at(b.edge)].chord() + edges[at(b.edge)].tolerance());
+    }
+  }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const Index c : mesh.triangles[t]) {
       if (onEdge[at(c)]) touch[t] |= kTouchesBorder;
@@ -163,16 +172,36 @@ void TrueDistance::Impl::indexTriangles() {
   }
 }
 
-// The classifier is asked only near the border: inside a triangle, or inside the ring around one
-// that has no corner on the border, the answer is known.
-bool TrueDistance::Impl::insideDomain(Index face, Index triangle, const Eigen::Vector2d& uv) const {
+// Inside a triangle, or inside the ring around one that has no corner on the border, the answer is
+// known. `point` is the point of the surface at `uv`.
+bool TrueDistance::Impl::insideDomain(Index face, Index triangle, const Eigen::Vector2d& uv,
+                                      const Vec3& point) const {
   Vec3 b;
   if (barycentricIn(tessellation.uv[at(triangle)], uv, b)) {
     const std::uint8_t flags = touch[at(triangle)];
     if (!(flags & kTouchesBorder) && b.minCoeff() > -kRingShare) return true;
     if (!(flags & kCurvedBorderSide) && b.minCoeff() > 0) return true;
   }
-  return faces[at(face)]->contains(uv);
+  const Candidate border = borderFoot(point, face);
+  if (!std::isfinite(border.distance)) return true;  // a closed surface
+  const double tie = border.edge == kNone ? 0 : 2 * edges[at(border.edge)].tolerance();
+  if (border.distance <= tie) return true;
+  const double unsure = kChordFactor * slack[at(face)];
+  if (border.distance > unsure + tie) {
+    const FootPoint onMesh = surface.footOnFace(point, face, border.distance);
+    return onMesh.triangle != kNone && onMesh.distance < 0.5 * border.distance;
+  }
+  const TrimmedFace& trimmed = *faces[at(face)];
+  Vec3 onSurface, normal;
+  if (border.edge == kNone || border.vertex != kNone ||
+      !trimmed.surface().pointAndNormal(uv, onSurface, normal)) {
+    return trimmed.classify(uv, 1e-9);
+  }
+  Vec3 along = edges[at(border.edge)].tangent(border.parameter);
+  for (const TrimmedFace::BorderEdge& e : trimmed.border()) {
+    if (e.edge == border.edge && e.reversed != trimmed.surface().mirrored()) along = -along;
+  }
+  return normal.cross(along).dot(point - border.point) > 0;
 }
 
 Candidate TrueDistance::Impl::borderFoot(const Vec3& x, Index face) const {
@@ -183,7 +212,7 @@ Candidate TrueDistance::Impl::borderFoot(const Vec3& x, Index face) const {
   };
   std::vector<Near> near;
   double best = std::numeric_limits<double>::infinity();
-  for (const Index e : faces[at(face)]->border()) {
+  for (const auto& [e, reversed] : faces[at(face)]->border()) {
     const ExactEdge& edge = edges[at(e)];
     if (!edge.usable() || edge.box().exteriorDistance(x) > best + 2 * edge.chord()) continue;
     const auto [distance, segment] = edge.nearestSegment(x);
@@ -201,6 +230,7 @@ Candidate TrueDistance::Impl::borderFoot(const Vec3& x, Index face) const {
     result.point = foot.point;
     result.edge = n.edge;
     result.parameter = foot.parameter;
+    result.vertex = foot.vertex;
     if (foot.vertex != kNone && sharpVertex[at(foot.vertex)]) {
       result.feature = {FeatureKind::Vertex, foot.vertex};
     } else if (isSharp(features.edges[at(n.edge)].type)) {
@@ -238,18 +268,14 @@ Candidate TrueDistance::Impl::refine(const Vec3& x, const FootPoint& foot) const
   Candidate result = start;
   const TrimmedFace& face = *faces[at(start.face)];
   const bool converged = face.surface().foot(x, kResidual * diagonal, result.uv, result.point);
-  if (converged && insideDomain(start.face, foot.triangle, result.uv)) {
+  if (converged && insideDomain(start.face, foot.triangle, result.uv, result.point)) {
     result.distance = (x - result.point).norm();
     result.feature = {FeatureKind::Face, start.face};
   } else {
     result = borderFoot(x, start.face);
   }
-  double slack = kRoundOff * diagonal + faceFeature(start.face).deflection;
-  if (result.edge != kNone) {
-    const ExactEdge& edge = edges[at(result.edge)];
-    slack = std::max(slack, edge.chord()) + edge.tolerance();
-  }
-  return std::abs(result.distance - start.distance) <= kChordFactor * slack ? result : start;
+  const double allowed = kChordFactor * (slack[at(start.face)] + kRoundOff * diagonal);
+  return std::abs(result.distance - start.distance) <= allowed ? result : start;
 }
 
 // Within the chordal error the triangles may have x on the wrong side: ask the exact normals.
@@ -307,8 +333,7 @@ TrueDistance::Foot TrueDistance::foot(const Vec3& x) const {
       const auto face = static_cast<Index>(f);
       if (face == s.tessellation.mesh.faceOf[at(mesh.triangle)] || s.faceBoxes[f].isEmpty())
         continue;
-      const double reach =
-          best.distance + kReachFactor * s.faceFeature(face).deflection - kRoundOff * s.diagonal;
+      const double reach = best.distance + kReachFactor * s.slack[f] - kRoundOff * s.diagonal;
       if (!(reach > 0) || s.faceBoxes[f].squaredExteriorDistance(x) > reach * reach) continue;
       const FootPoint other = s.surface.footOnFace(x, face, reach);
       if (other.triangle == kNone) continue;
@@ -318,9 +343,7 @@ TrueDistance::Foot TrueDistance::foot(const Vec3& x) const {
     result.distance = best.distance;
     result.point = best.point;
     result.feature = best.feature;
-    const double chord = s.faceFeature(best.face).deflection + kRoundOff * s.diagonal;
-    const double edgeChord = best.edge == kNone ? 0 : s.edges[at(best.edge)].chord();
-    if (mesh.distance <= 2 * std::max(chord, edgeChord) && !mesh.beyondBorder) {
+    if (mesh.distance <= 2 * s.slack[at(best.face)] && !mesh.beyondBorder) {
       result.sign = s.signAt(x, best, mesh.sign);
     }
   } catch (...) {
