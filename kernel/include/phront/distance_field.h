@@ -72,10 +72,11 @@ class DistanceField {
   std::int64_t signRepairs_ = 0;
 };
 
-/// Exact signed distance (to the mesh) on all tiles that meet the band: closest-feature carry with
-/// ring descent, verified at every node; sign by topology. Error: round-off. Beyond the border of
-/// an open shell a tile's phi is the distance with the sign of the carried face, its triangle
-/// kNone. Fails with InvalidArgument (h <= 0, band empty or NaN), ResourceLimit, Cancelled.
+/// Exact signed distance (to the mesh) on all tiles that meet the band: one exact
+/// query per node, bounded by its neighbour's triangle; sign by topology. Error: round-off. Beyond
+/// the border of an open shell a tile's phi is the distance with the sign of the carried face, its
+/// triangle kNone. Fails with InvalidArgument (h <= 0, band empty or NaN), ResourceLimit,
+/// Cancelled.
 [[nodiscard]] Result<DistanceField> solveDistanceField(const SurfaceDistance& surface,
                                                        const FieldOptions& options,
                                                        const Progress& progress = {});

@@ -1,13 +1,12 @@
 // Exact signed distance on sparse tiles.
 //
 // Tiles come from an octree descent (tile_descent.h). Inside a tile the nodes are visited as one
-// snake, so that each is a neighbour of the one before: the closest triangle is carried along,
-// improved by ring descent over the corners of the best triangle (as SDFGen carries it, but to the
-// end: the carry alone leaves wrong feet), and proved by a bounded walk of the hierarchy, so that
-// no node is ever wrong. The answer does not depend on where the walk starts: same bits for any
-// number of threads and any order of tiles. The sign is that of the foot's pseudonormal, audited
-// (sign_audit.h). Weak spot: the proof costs more than the carry where many triangles lie near the
-// medial axis.
+// snake, and the closest triangle of each bounds the search of the next; the walk of the hierarchy
+// then proves the answer, so that no node is ever wrong. It does not depend on where the walk
+// starts: same bits for any number of threads and any order of tiles. The sign is that of the
+// foot's pseudonormal, audited (sign_audit.h). Weak spot: speed. The proof is a full query per
+// node, and the carried bound gains nothing measurable over cold queries (figures in
+// geom/surface_distance.cpp).
 #include "phront/distance_field.h"
 
 #include <fmt/format.h>

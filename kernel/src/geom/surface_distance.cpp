@@ -141,7 +141,6 @@ struct SurfaceDistance::Impl {
       }
     }
   };
-  void descend(Best& best, const Vec3& x) const;
   FootPoint finish(const Best& best, const Vec3& x) const;
   Vec3 pseudonormal(const FootPoint& foot) const;
   double signAt(const Vec3& x, const FootPoint& foot) const;
@@ -251,17 +250,6 @@ void SurfaceDistance::Impl::buildTrust(const MeshEdges& edges) {
   }
 }
 
-// Walks over the rings of the best triangle's corners while that brings it nearer.
-void SurfaceDistance::Impl::descend(Best& best, const Vec3& x) const {
-  Index seen = kNone;
-  while (best.found() && best.id != seen) {
-    seen = best.id;
-    for (const Index point : mesh.triangles[size(seen)]) {
-      for (const Index t : rings.of(point)) best.offer(triangle(t), x);
-    }
-  }
-}
-
 Vec3 SurfaceDistance::Impl::pseudonormal(const FootPoint& foot) const {
   const auto k = size(foot.corner);
   if (foot.kind == FeatureKind::Vertex) {
@@ -347,7 +335,6 @@ FootPoint SurfaceDistance::footFrom(const Vec3& x, Index start) const {
   if (start < 0 || size(start) >= s.leafOf.size()) return foot(x);
   Impl::Best best;
   best.offer(s.triangle(start), x);
-  s.descend(best, x);
   s.bvh.nearest(
       x, [&](Index i) { best.offer(s.leaves[size(i)], x); }, [&] { return best.squared; });
   return s.finish(best, x);
