@@ -1,0 +1,298 @@
+// Planar polygons to a B-Rep, built from below: vertices, straight edges, wires, planar faces,
+// shells, solids. Nothing is sewn or intersected: every undirected side becomes one edge, used
+// forward by one face and reversed by the other, so the shells are closed by construction.
+//
+// Shells with positive volume bound solids; those with negative volume are cavities of the smallest
+// positive shell around them, found by the solid angle under which a point of the cavity sees the
+// shell (van Oosterom & Strackee 1983).
+#include "rebuild/facet_solid.h"
+
+#include <BRep_Builder.hxx>
+#include <Geom_Line.hxx>
+#include <Geom_Plane.hxx>
+#include <Precision.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <TopoDS_Shell.hxx>
+#include <TopoDS_Solid.hxx>
+#include <TopoDS_Vertex.hxx>
+#include <TopoDS_Wire.hxx>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <numeric>
+
+#include "exchange/guard.h"
+
+namespace phront::cad {
+
+namespace {
+
+// Tolerances exceed the distances they cover by this factor: checks compare with round-off.
+constexpr double kToleranceMargin = 1.5;
+
+using Loop = std::vector<Index>;
+
+gp_Pnt toPnt(const Vec3& p) { return {p.x(), p.y(), p.z()}; }
+
+/// One undirected side with the polygons on its two directions.
+struct Side {
+  Index from = kNone;
+  Index to = kNone;
+  Index forward = kNone;  ///< polygon that runs from -> to
+  Index backward = kNone;
+  double tolerance = 0;
+  TopoDS_Edge edge = {};
+};
+
+/// Sides in the order of their first use, and where each polygon finds its own.
+struct Sides {
+  std::vector<Side> all;
+  std::map<std::pair<Index, Index>, Index> number;  ///< by (smaller, larger) point
+
+  [[nodiscard]] Index find(Index a, Index b) const {
+    return number.at({std::min(a, b), std::max(a, b)});
+  }
+};
+
+Result<Sides> pairSides(const FacetedSurface& facets) {
+  Sides sides;
+  const auto pointCount = static_cast<Index>(facets.points.size());
+  for (std::size_t i = 0; i < facets.polygons.size(); ++i) {
+    for (const Loop& loop : facets.polygons[i].loops) {
+      if (loop.size() < 3) {
+        return fail(ErrorCode::Failed, "A facet has a loop of fewer than three points.");
+      }
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        const Index a = loop[k];
+        const Index b = loop[(k + 1) % loop.size()];
+        if (a == b || std::min(a, b) < 0 || std::max(a, b) >= pointCount) {
+          return fail(ErrorCode::Failed, "A facet names a point that is not there.");
+        }
+        const auto [at, isNew] = sides.number.try_emplace({std::min(a, b), std::max(a, b)},
+                                                          static_cast<Index>(sides.all.size()));
+        if (isNew) sides.all.push_back({.from = a, .to = b});
+        Side& side = sides.all[at->second];
+        Index& use = side.from == a ? side.forward : side.backward;
+        if (use != kNone) {
+          return fail(ErrorCode::Failed, "Facets do not close: a side is used twice one way.");
+        }
+        use = static_cast<Index>(i);
+      }
+    }
+  }
+  for (const Side& side : sides.all) {
+    if (side.forward == kNone || side.backward == kNone) {
+      return fail(ErrorCode::Failed, "Facets do not close: a side is used by one facet only.");
+    }
+  }
+  return sides;
+}
+
+double offPlane(const Plane& plane, const Vec3& p) {
+  return std::abs(plane.normal.dot(p) - plane.offset);
+}
+
+/// Vertices and edges with tolerances that cover their distance to the planes around.
+void makeEdges(const FacetedSurface& facets, Sides& sides) {
+  const BRep_Builder builder;
+  std::vector<double> tolerance(facets.points.size(), Precision::Confusion());
+  for (Side& side : sides.all) {
+    double off = 0;
+    for (const Index polygon : {side.forward, side.backward}) {
+      const Plane& plane = facets.polygons[polygon].plane;
+      for (const Index p : {side.from, side.to}) {
+        off = std::max(off, offPlane(plane, facets.points[p]));
+      }
+    }
+    side.tolerance = std::max(Precision::Confusion(), kToleranceMargin * off);
+    for (const Index p : {side.from, side.to}) {
+      tolerance[p] = std::max(tolerance[p], side.tolerance);
+    }
+  }
+  std::vector<TopoDS_Vertex> vertices(facets.points.size());
+  const auto vertexAt = [&](Index p) -> const TopoDS_Vertex& {
+    if (vertices[p].IsNull())
+      builder.MakeVertex(vertices[p], toPnt(facets.points[p]), tolerance[p]);
+    return vertices[p];
+  };
+  for (Side& side : sides.all) {
+    const gp_Pnt a = toPnt(facets.points[side.from]);
+    const gp_Pnt b = toPnt(facets.points[side.to]);
+    const Handle(Geom_Line) line = new Geom_Line(a, gp_Dir(gp_Vec(a, b)));
+    builder.MakeEdge(side.edge, line, side.tolerance);
+    builder.Add(side.edge, vertexAt(side.from).Oriented(TopAbs_FORWARD));
+    builder.Add(side.edge, vertexAt(side.to).Oriented(TopAbs_REVERSED));
+    builder.Range(side.edge, 0, a.Distance(b));
+  }
+}
+
+TopoDS_Face makeFace(const FacetPolygon& polygon, const FacetedSurface& facets,
+                     const Sides& sides) {
+  const BRep_Builder builder;
+  const Vec3& first = facets.points[polygon.loops[0][0]];
+  const Vec3 n = polygon.plane.normal;
+  const Vec3 at = first - (n.dot(first) - polygon.plane.offset) * n;
+  TopoDS_Face face;
+  builder.MakeFace(face, new Geom_Plane(toPnt(at), gp_Dir(n.x(), n.y(), n.z())),
+                   Precision::Confusion());
+  for (const Loop& loop : polygon.loops) {
+    TopoDS_Wire wire;
+    builder.MakeWire(wire);
+    for (std::size_t k = 0; k < loop.size(); ++k) {
+      const Index b = loop[(k + 1) % loop.size()];
+      const Side& side = sides.all[sides.find(loop[k], b)];
+      builder.Add(wire, side.edge.Oriented(side.to == b ? TopAbs_FORWARD : TopAbs_REVERSED));
+    }
+    wire.Closed(true);
+    builder.Add(face, wire);
+  }
+  return face;
+}
+
+/// Number of the shell of each polygon: connected over sides, numbered by first polygon.
+std::vector<Index> shellOfPolygon(std::size_t count, const Sides& sides, Index& shells) {
+  std::vector<Index> parent(count);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&](Index i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const Side& side : sides.all) {
+    const Index a = root(side.forward);
+    const Index b = root(side.backward);
+    parent[std::max(a, b)] = std::min(a, b);
+  }
+  std::vector<Index> shell(count, kNone);
+  shells = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Index r = root(static_cast<Index>(i));
+    if (shell[r] == kNone) shell[r] = shells++;
+    shell[i] = shell[r];
+  }
+  return shell;
+}
+
+/// Calls visit(a, b, c) for the triangles of a fan over each loop: together they bound what the
+/// polygons bound, with parts outside non-convex loops counted both ways.
+template <class Visit>
+void forFans(const FacetedSurface& facets, const std::vector<Index>& polygons, Visit&& visit) {
+  for (const Index i : polygons) {
+    for (const Loop& loop : facets.polygons[i].loops) {
+      for (std::size_t k = 1; k + 1 < loop.size(); ++k) {
+        visit(facets.points[loop[0]], facets.points[loop[k]], facets.points[loop[k + 1]]);
+      }
+    }
+  }
+}
+
+double volumeOf(const FacetedSurface& facets, const std::vector<Index>& polygons,
+                const Vec3& origin) {
+  double sixfold = 0;
+  forFans(facets, polygons, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    sixfold += (a - origin).dot((b - origin).cross(c - origin));
+  });
+  return sixfold / 6;
+}
+
+bool surrounds(const FacetedSurface& facets, const std::vector<Index>& polygons, const Vec3& x) {
+  double angle = 0;
+  forFans(facets, polygons, [&](const Vec3& pa, const Vec3& pb, const Vec3& pc) {
+    const Vec3 a = pa - x;
+    const Vec3 b = pb - x;
+    const Vec3 c = pc - x;
+    const double la = a.norm();
+    const double lb = b.norm();
+    const double lc = c.norm();
+    angle += 2 * std::atan2(a.dot(b.cross(c)),
+                            la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
+  });
+  return angle > 2 * std::numbers::pi;  // 4 pi inside, 0 outside
+}
+
+/// For each shell the shell whose solid it belongs to: itself when positive; kNone when nothing
+/// surrounds a cavity.
+std::vector<Index> ownersOf(const FacetedSurface& facets,
+                            const std::vector<std::vector<Index>>& shells) {
+  const Vec3 origin = facets.points.front();
+  std::vector<double> volumes;
+  for (const auto& shell : shells) volumes.push_back(volumeOf(facets, shell, origin));
+  std::vector<Index> owners(shells.size(), kNone);
+  for (std::size_t s = 0; s < shells.size(); ++s) {
+    if (volumes[s] > 0) {
+      owners[s] = static_cast<Index>(s);
+      continue;
+    }
+    const Vec3& inside = facets.points[facets.polygons[shells[s].front()].loops[0][0]];
+    double smallest = std::numeric_limits<double>::infinity();
+    for (std::size_t o = 0; o < shells.size(); ++o) {
+      if (volumes[o] <= -volumes[s] || volumes[o] >= smallest) continue;
+      if (!surrounds(facets, shells[o], inside)) continue;
+      smallest = volumes[o];
+      owners[s] = static_cast<Index>(o);
+    }
+  }
+  return owners;
+}
+
+TopoDS_Shell makeShell(const FacetedSurface& facets, const std::vector<Index>& polygons,
+                       const Sides& sides) {
+  const BRep_Builder builder;
+  TopoDS_Shell shell;
+  builder.MakeShell(shell);
+  for (const Index i : polygons) builder.Add(shell, makeFace(facets.polygons[i], facets, sides));
+  shell.Closed(true);
+  return shell;
+}
+
+Result<TopoDS_Shape> build(const FacetedSurface& facets) {
+  if (facets.polygons.empty()) return fail(ErrorCode::Failed, "There are no facets to close.");
+  for (const FacetPolygon& polygon : facets.polygons) {
+    if (polygon.loops.empty()) return fail(ErrorCode::Failed, "A facet has no outer loop.");
+  }
+  Result<Sides> sides = pairSides(facets);
+  if (!sides) return tl::unexpected<Error>(sides.error());
+  makeEdges(facets, *sides);
+
+  Index shellCount = 0;
+  const std::vector<Index> shellOf = shellOfPolygon(facets.polygons.size(), *sides, shellCount);
+  std::vector<std::vector<Index>> shells(shellCount);
+  for (std::size_t i = 0; i < shellOf.size(); ++i) {
+    shells[shellOf[i]].push_back(static_cast<Index>(i));
+  }
+  const std::vector<Index> owners = ownersOf(facets, shells);
+
+  const BRep_Builder builder;
+  std::vector<TopoDS_Solid> solids(shells.size());
+  for (std::size_t s = 0; s < shells.size(); ++s) {  // the outer shell comes first in a solid
+    if (owners[s] != static_cast<Index>(s)) continue;
+    builder.MakeSolid(solids[s]);
+    builder.Add(solids[s], makeShell(facets, shells[s], *sides));
+  }
+  for (std::size_t s = 0; s < shells.size(); ++s) {
+    if (owners[s] == static_cast<Index>(s)) continue;
+    if (owners[s] == kNone) {
+      return fail(ErrorCode::Failed, "Facets close around empty space outside every solid.");
+    }
+    builder.Add(solids[owners[s]], makeShell(facets, shells[s], *sides));
+  }
+  std::erase_if(solids, [](const TopoDS_Solid& solid) { return solid.IsNull(); });
+  if (solids.size() == 1) return TopoDS_Shape(solids.front());
+  TopoDS_Compound compound;
+  builder.MakeCompound(compound);
+  for (const TopoDS_Solid& solid : solids) builder.Add(compound, solid);
+  return TopoDS_Shape(compound);
+}
+
+}  // namespace
+
+Result<TopoDS_Shape> solidOfFacets(const FacetedSurface& facets) {
+  return guardOcct("building a solid of planar facets",
+                   [&]() -> Result<TopoDS_Shape> { return build(facets); });
+}
+
+}  // namespace phront::cad
