@@ -12,7 +12,8 @@ namespace phront {
 
 struct IsoSurfaceOptions {
   double level = 0;                ///< d, signed; positive lies outside material
-  std::optional<double> spacing;   ///< grid spacing h; automatic: fine enough for |d| and the box
+  std::optional<double> spacing = std::nullopt;  ///< grid spacing h; automatic: fine enough for
+                                                 ///< |d| and the box
   int threads = 0;                 ///< 0: all cores
 };
 

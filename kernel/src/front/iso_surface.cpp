@@ -13,6 +13,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "front/iso_flips.h"
 #include "front/iso_topology.h"
 #include "front/iso_triangles.h"
 #include "front/iso_vertex.h"
@@ -38,6 +39,8 @@ constexpr std::int64_t kCheapNodes = 400'000;
 // is cheap, in spacings of the grid at hand.
 constexpr double kOrdinaryDepth = 1.0 / 16;
 constexpr double kCheapDepth = 2e-3;
+// Triangles below which a result is coarse.
+constexpr std::size_t kCrumbTriangles = 3000;
 constexpr int kUnfoldRounds = 5;
 constexpr int kKeepCreaseRounds = 2;
 
@@ -86,6 +89,7 @@ class Extraction {
       }
     }
     unfold();
+    flipToCreases(surface_, vertices_, grid_.level(), triangles_);
     return assemble();
   }
 
@@ -212,11 +216,16 @@ Result<IsoSurface> isoSurface(const SurfaceDistance& surface, const IsoSurfaceOp
     const bool cheap = 4 * nodes < kCheapNodes && halving < kCheapHalvings;
     if ((halving >= kHalvings && !cheap) || 4 * nodes > kMaxNodes) return *best;
     const double depth = cheap ? kCheapDepth * gridOptions.spacing : kOrdinaryDepth * firstSpacing;
-    const auto hidden = hidesThinFeature(surface, *grid, best->mesh, depth, options.threads);
-    if (!hidden) return tl::unexpected(hidden.error());
-    if (!*hidden) return *best;
+    // A small result on a grid chosen for the whole box: finer costs nothing.
+    const bool crumb = !options.spacing && cheap && !best->mesh.triangles.empty() &&
+                       best->mesh.triangles.size() < kCrumbTriangles;
+    if (!crumb) {
+      const auto hidden = hidesThinFeature(surface, *grid, best->mesh, depth, options.threads);
+      if (!hidden) return tl::unexpected(hidden.error());
+      if (!*hidden) return *best;
+      refined = true;
+    }
     gridOptions.spacing /= 2;
-    refined = true;
   }
 }
 

@@ -15,6 +15,8 @@ namespace {
 constexpr std::int64_t kGrain = 512;
 // Normals of all corners agree with the triangle's by this cosine: certainly not folded.
 constexpr double kSurelyUnfolded = 0.5;
+// Height over longest side below which a triangle has no direction: three vertices on one crease.
+constexpr double kFlat = 1e-6;
 
 const IsoVertex& at(const std::vector<IsoVertex>& vertices, Index i) {
   return vertices[static_cast<std::size_t>(i)];
@@ -33,6 +35,15 @@ double middleResidual(const SurfaceDistance& surface, const IsoVertex& a, const 
 /// Twice the area vector.
 Vec3 areaVector(const std::vector<IsoVertex>& v, const Triangle& t) {
   return (at(v, t[1]).point - at(v, t[0]).point).cross(at(v, t[2]).point - at(v, t[0]).point);
+}
+
+double longestSquared(const std::vector<IsoVertex>& v, const Triangle& t) {
+  double longest = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 side = at(v, t[(k + 1) % 3]).point - at(v, t[k]).point;
+    longest = std::max(longest, side.squaredNorm());
+  }
+  return longest;
 }
 
 /// True when the diagonal from corner 0 to corner 2 is the better one.
@@ -105,7 +116,8 @@ std::vector<Index> foldedVertices(const SurfaceDistance& surface,
           const Vec3 centroid =
               (at(vertices, t[0]).point + at(vertices, t[1]).point + at(vertices, t[2]).point) / 3;
           const FootPoint foot = surface.footFrom(centroid, at(vertices, t[0]).foot.triangle);
-          folded[i] = area.dot(surface.gradient(centroid, foot)) < 0 ? 1 : 0;
+          const double across = area.dot(surface.gradient(centroid, foot));
+          folded[i] = across < -kFlat * longestSquared(vertices, t) ? 1 : 0;
         }
       });
   std::vector<Index> out;

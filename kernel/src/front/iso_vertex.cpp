@@ -28,6 +28,7 @@ constexpr double kFlatEigenvalue = 0.02;
 constexpr double kStartMargin = 0.1;
 constexpr double kCreaseMargin = 0.6;
 constexpr double kTouch = 1e-6;
+constexpr double kInset = 0.02;
 constexpr double kSmoothMargin = 0.5;
 // Branches whose directions differ by less are one: within a face, where facets of a curved face
 // differ without a crease being meant, and across faces.
@@ -39,7 +40,7 @@ constexpr double kTolerance = 1e-10;
 constexpr int kNewtonSteps = 12;
 constexpr int kProjectSteps = 24;
 constexpr int kBisections = 200;
-constexpr int kRounds = 6;
+constexpr int kRounds = 8;
 
 }  // namespace
 
@@ -249,7 +250,11 @@ bool VertexPlacer::tryCrease(Branches branches, const Vec3& start, const Crossin
   Vec3 x = start;
   for (int round = 0; round < kRounds; ++round) {
     if (!solveBranches(branches, x)) return false;
-    if (!reachable(x, crossings.lower)) return false;
+    if (!reachable(x, crossings.lower)) {
+      // The crease may still cut the cell: alternate between both (von Neumann 1949).
+      x = clampToCell(x, crossings.lower, grid_.spacing(), -kInset);
+      continue;
+    }
     const FootPoint foot = surface_.footFrom(x, branches.front().triangle);
     if (std::abs(foot.phi() - grid_.level()) <= tolerance_) {
       vertex = vertexAt(x, foot);

@@ -20,7 +20,7 @@ constexpr std::int64_t kGrain = 64;
 constexpr int kSteps = 24;
 constexpr double kFirstStep = 0.5;
 constexpr double kStepRatio = 0.8;
-constexpr double kMissed = 0.3;
+constexpr double kMissed = 0.5;
 // Directions that include more than about 80 degrees oppose (wedges of a right angle lie at 90).
 constexpr double kOpposed = 0.2;
 
