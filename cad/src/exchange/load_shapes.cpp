@@ -52,7 +52,7 @@ std::string utf8(const TCollection_ExtendedString& text) {
 std::string labelName(const TDF_Label& label) {
   Handle(TDataStd_Name) name;
   if (!label.FindAttribute(TDataStd_Name::GetID(), name)) return {};
-  return utf8(name->Get());
+  return textOfStepString(utf8(name->Get()));  // OpenCASCADE 7.6 leaves \\X2\\ as it is
 }
 
 void collect(const TDF_Label& label, const TopLoc_Location& place, int depth, Loaded& loaded) {

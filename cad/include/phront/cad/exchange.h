@@ -17,7 +17,7 @@ enum class ShapeFormat { Step, Iges, Brep };
 struct ReadOptions {
   double timeLimit = 25;                ///< seconds of the reading process
   double memoryLimit = 4096;            ///< MiB of the reading process
-  std::optional<double> sewTolerance;   ///< mm; automatic: 1e-5 of the diagonal
+  std::optional<double> sewTolerance = {};  ///< mm; automatic: 1e-5 of the diagonal
   double maxExtent = 1e7;               ///< mm; larger models are refused as nonsense
   bool repair = true;   ///< false: take the shape as the file has it (for reading results back)
 };
