@@ -267,8 +267,11 @@ Candidate TrueDistance::Impl::refine(const Vec3& x, const FootPoint& foot) const
   const Candidate start = meshCandidate(foot);
   Candidate result = start;
   const TrimmedFace& face = *faces[at(start.face)];
-  const bool converged = face.surface().foot(x, kResidual * diagonal, result.uv, result.point);
-  if (converged && insideDomain(start.face, foot.triangle, result.uv, result.point)) {
+  const SurfaceFoot onFace = face.surface().foot(x, kResidual * diagonal, start.uv);
+  result.uv = onFace.uv;
+  result.point = onFace.point;
+  if (onFace.converged && !onFace.atBound &&
+      insideDomain(start.face, foot.triangle, result.uv, result.point)) {
     result.distance = (x - result.point).norm();
     result.feature = {FeatureKind::Face, start.face};
   } else {
@@ -381,8 +384,8 @@ bool TrueDistance::pointAndNormal(Index triangle, const Vec3& barycentric, Vec3&
                    barycentric[2] * mesh.points[at(corner[2])];
     const double near = kChordFactor * (s.faceFeature(face).deflection + kRoundOff * s.diagonal);
     if ((surface.point(uv) - x).norm() > near) {
-      Eigen::Vector2d better = uv;
-      if (surface.foot(x, kResidual * s.diagonal, better, point)) uv = better;
+      const SurfaceFoot better = surface.foot(x, kResidual * s.diagonal, uv);
+      if (better.converged) uv = better.uv;
     }
     if (surface.pointAndNormal(uv, point, normal)) return true;
     uv += kNudge * (uvAt(Vec3::Constant(1.0 / 3.0)) - uv);

@@ -24,7 +24,8 @@ namespace phront::cad {
 namespace {
 
 constexpr int kNewtonSteps = 30;
-constexpr int kPlaneSamples = 9;  // per direction, for surfaces without poles
+constexpr double kLooseResidual = 1e3;  // of the tolerance, where round-off stops the descent
+constexpr int kPlaneSamples = 9;        // per direction, for surfaces without poles
 // sin of the angle between Su and Sv, and length of either against the other scale, below which a
 // point counts as singular: well above round-off of a cross product.
 constexpr double kSingularSine = 1e-9;
@@ -102,10 +103,8 @@ Eigen::Vector2d FaceSurface::clamped(Eigen::Vector2d uv) const {
   return uv;
 }
 
-bool FaceSurface::foot(const Vec3& x, double tolerance, Eigen::Vector2d& uv, Vec3& point) const {
-  if (!analytic()) return newtonFoot(x, tolerance, uv, point);
-  // The parameters come in the principal period; bring them next to the start.
-  const Eigen::Vector2d start = uv;
+SurfaceFoot FaceSurface::foot(const Vec3& x, double tolerance, Eigen::Vector2d start) const {
+  if (!analytic()) return newtonFoot(x, tolerance, start);
   const gp_Pnt p = toPnt(x);
   double u = 0;
   double v = 0;
@@ -126,24 +125,29 @@ bool FaceSurface::foot(const Vec3& x, double tolerance, Eigen::Vector2d& uv, Vec
       ElSLib::Parameters(adaptor_.Torus(), p, u, v);
       break;
   }
-  uv = {u, v};
+  // The parameters come in the principal period; bring them next to the start.
+  SurfaceFoot foot;
+  foot.converged = true;
+  foot.uv = {u, v};
   constexpr double kTurn = 2 * 3.14159265358979323846;
-  if (uPeriodic_) uv.x() += kTurn * std::round((start.x() - uv.x()) / kTurn);
-  if (vPeriodic_) uv.y() += kTurn * std::round((start.y() - uv.y()) / kTurn);
-  point = this->point(uv);
-  return true;
+  if (uPeriodic_) foot.uv.x() += kTurn * std::round((start.x() - u) / kTurn);
+  if (vPeriodic_) foot.uv.y() += kTurn * std::round((start.y() - v) / kTurn);
+  foot.point = point(foot.uv);
+  return foot;
 }
 
-bool FaceSurface::newtonFoot(const Vec3& x, double tolerance, Eigen::Vector2d& uv,
-                             Vec3& point) const {
-  uv = clamped(uv);
+SurfaceFoot FaceSurface::newtonFoot(const Vec3& x, double tolerance,
+                                    const Eigen::Vector2d& start) const {
+  SurfaceFoot foot;
+  Eigen::Vector2d& uv = foot.uv;
+  uv = clamped(start);
   gp_Pnt p;
   gp_Vec d1u, d1v, d2u, d2v, duv;
   double best = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kNewtonSteps; ++step) {
     adaptor_.D2(uv.x(), uv.y(), p, d1u, d1v, d2u, d2v, duv);
-    point = toVec3(p.XYZ());
-    const Vec3 r = point - x;
+    foot.point = toVec3(p.XYZ());
+    const Vec3 r = foot.point - x;
     best = r.squaredNorm();
     const Vec3 su = toVec3(d1u.XYZ());
     const Vec3 sv = toVec3(d1v.XYZ());
@@ -157,11 +161,13 @@ bool FaceSurface::newtonFoot(const Vec3& x, double tolerance, Eigen::Vector2d& u
     h(0, 1) += mixed;
     h(1, 0) += mixed;
     // Directions blocked by a bound of the surface take no part.
+    foot.atBound = false;
     for (int k = 0; k < 2; ++k) {
       const bool periodic = k == 0 ? uPeriodic_ : vPeriodic_;
       if (periodic) continue;
       const bool blocked = (uv[k] <= low_[k] && g[k] > 0) || (uv[k] >= high_[k] && g[k] < 0);
       if (!blocked) continue;
+      foot.atBound |= std::abs(g[k]) > tolerance * (k == 0 ? su : sv).norm();
       g[k] = 0;
       h(0, 1) = h(1, 0) = first(0, 1) = first(1, 0) = 0;
       h(k, k) = first(k, k) = std::max(first(k, k), 1e-300);
@@ -169,17 +175,18 @@ bool FaceSurface::newtonFoot(const Vec3& x, double tolerance, Eigen::Vector2d& u
     const double residual = std::max(std::abs(g.x()) / std::max(su.norm(), 1e-300),
                                      std::abs(g.y()) / std::max(sv.norm(), 1e-300));
     // The residual is |r| sin(angle): the tangential miss for feet close by, an upper bound else.
-    if (residual <= tolerance) return true;
+    foot.converged = residual <= tolerance;
+    if (foot.converged) return foot;
     const double determinant = h.determinant();
     const bool definite = h(0, 0) > 0 && determinant > 1e-12 * h(0, 0) * std::abs(h(1, 1));
     if (!definite) h = first + 1e-9 * first.trace() * Eigen::Matrix2d::Identity();
     const Eigen::Vector2d delta = h.inverse() * g;
-    if (!delta.allFinite()) return false;
+    if (!delta.allFinite()) return foot;
     double factor = 1;
     bool moved = false;
     for (int halving = 0; halving < 12; ++halving, factor *= 0.5) {
       const Eigen::Vector2d next = clamped(uv - factor * delta);
-      const double d2 = (this->point(next) - x).squaredNorm();
+      const double d2 = (point(next) - x).squaredNorm();
       if (d2 < best) {
         uv = next;
         moved = true;
@@ -187,9 +194,12 @@ bool FaceSurface::newtonFoot(const Vec3& x, double tolerance, Eigen::Vector2d& u
       }
     }
     // No step lowers the distance any more: at round-off of the squared distance.
-    if (!moved) return residual <= 1e3 * tolerance;
+    if (!moved) {
+      foot.converged = residual <= kLooseResidual * tolerance;
+      return foot;
+    }
   }
-  return false;
+  return foot;
 }
 
 std::optional<Plane> FaceSurface::plane(double tolerance) const {

@@ -8,6 +8,14 @@
 
 namespace phront::cad {
 
+/// A closest point of an untrimmed surface.
+struct SurfaceFoot {
+  bool converged = false;
+  bool atBound = false;  ///< held back by a bound of the surface: x does not lie along the normal
+  Eigen::Vector2d uv = Eigen::Vector2d::Zero();
+  Vec3 point = Vec3::Zero();
+};
+
 /// Evaluates with OpenCASCADE adaptors, which cache: one object per thread. Outward is towards
 /// phi > 0: the surface normal, turned for reversed faces and for mirroring locations.
 class FaceSurface {
@@ -25,17 +33,17 @@ class FaceSurface {
   /// False where the surface has no normal (poles, apices, collapsed sides).
   [[nodiscard]] bool pointAndNormal(const Eigen::Vector2d& uv, Vec3& point, Vec3& normal) const;
 
-  /// Closest point of the untrimmed surface to x near `uv` (which is updated). Analytic surfaces:
-  /// closed form; others: damped Newton within the surface's bounds. False when not converged to
-  /// `tolerance` (tangential residual, length).
-  [[nodiscard]] bool foot(const Vec3& x, double tolerance, Eigen::Vector2d& uv, Vec3& point) const;
+  /// Closest point of the untrimmed surface to x near `start`. Analytic surfaces: closed form;
+  /// others: damped Newton within the surface's bounds, converged when the tangential residual is
+  /// below `tolerance` (a length).
+  [[nodiscard]] SurfaceFoot foot(const Vec3& x, double tolerance, Eigen::Vector2d start) const;
 
   /// Plane with outward normal if the face is one, B-spline planes within `tolerance` included.
   [[nodiscard]] std::optional<Plane> plane(double tolerance) const;
 
  private:
-  [[nodiscard]] bool newtonFoot(const Vec3& x, double tolerance, Eigen::Vector2d& uv,
-                                Vec3& point) const;
+  [[nodiscard]] SurfaceFoot newtonFoot(const Vec3& x, double tolerance,
+                                       const Eigen::Vector2d& start) const;
   [[nodiscard]] Eigen::Vector2d clamped(Eigen::Vector2d uv) const;
 
   BRepAdaptor_Surface adaptor_;

@@ -108,13 +108,15 @@ void labelPatches(Soup& soup, const std::vector<HolePatch>& patches, const Shape
 // Distance of a point of a triangle from the exact surface. First order where that is good enough:
 // the tangent plane at the corresponding parameters. Where parameters and point lie far apart
 // (patches, apices, uneven parametrisations) by a foot.
-double deviation(const FaceSurface& surface, const Vec3& x, Eigen::Vector2d uv, double tolerance) {
+double deviation(const FaceSurface& surface, const Vec3& x, const Eigen::Vector2d& uv,
+                 double tolerance) {
   Vec3 point, normal;
   if (!surface.analytic() && surface.pointAndNormal(uv, point, normal)) {
     const double height = std::abs(normal.dot(x - point));
     if ((x - point).norm() <= std::max(kTangentRatio * height, tolerance)) return height;
   }
-  return surface.foot(x, tolerance, uv, point) ? (x - point).norm() : 0;
+  const SurfaceFoot foot = surface.foot(x, tolerance, uv);
+  return foot.converged ? (x - foot.point).norm() : 0;
 }
 
 void measureDeflection(const Soup& soup, const ShapeIndex& index, double tolerance,

@@ -1,0 +1,211 @@
+#include "rebuild/true_distance.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <functional>
+#include <numbers>
+#include <random>
+
+#include "solids.h"
+
+namespace phront::cad {
+namespace {
+
+TrueDistance exactDistance(const TopoDS_Shape& shape, double deflection,
+                           BodyKind kind = BodyKind::Solid) {
+  Body body = test::solidBody(shape);
+  body.kind = kind;
+  auto mesh = tessellate(body, {.deflection = deflection});
+  EXPECT_TRUE(mesh) << (mesh ? "" : mesh.error().message);
+  auto distance = TrueDistance::build(shape, std::move(*mesh));
+  EXPECT_TRUE(distance) << (distance ? "" : distance.error().message);
+  return std::move(*distance);
+}
+
+std::vector<Vec3> randomPoints(int count, const Vec3& low, const Vec3& high) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const Vec3 t(uniform(random), uniform(random), uniform(random));
+    points.push_back(low + t.cwiseProduct(high - low));
+  }
+  return points;
+}
+
+double boxPhi(const Vec3& x, const Vec3& size) {
+  const Vec3 q = (x - 0.5 * size).cwiseAbs() - 0.5 * size;
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+}
+double cylinderPhi(const Vec3& x, double radius, double height) {
+  const Eigen::Vector2d q(x.head<2>().norm() - radius, std::abs(x.z() - height / 2) - height / 2);
+  return q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0);
+}
+double spherePhi(const Vec3& x, double radius) { return x.norm() - radius; }
+double torusPhi(const Vec3& x, double major, double minor) {
+  return Eigen::Vector2d(x.head<2>().norm() - major, x.z()).norm() - minor;
+}
+
+struct Case {
+  const char* name;
+  TopoDS_Shape shape;
+  std::function<double(const Vec3&)> phi;
+  Vec3 low, high;
+};
+
+std::vector<Case> cases() {
+  return {
+      {"box",
+       test::box(1, 2, 3),
+       [](const Vec3& x) {
+         return boxPhi(x, {1, 2, 3});
+       },
+       {-1, -1, -1},
+       {2, 3, 4}},
+      {"cylinder",
+       test::cylinder(1, 3),
+       [](const Vec3& x) { return cylinderPhi(x, 1, 3); },
+       {-2, -2, -1},
+       {2, 2, 4}},
+      {"sphere",
+       test::sphere(2),
+       [](const Vec3& x) { return spherePhi(x, 2); },
+       {-3, -3, -3},
+       {3, 3, 3}},
+      {"torus",
+       test::torus(3, 1),
+       [](const Vec3& x) { return torusPhi(x, 3, 1); },
+       {-5, -5, -2},
+       {5, 5, 2}},
+  };
+}
+
+TEST(TrueDistance, AnalyticSolidsToRoundOff) {
+  for (const Case& c : cases()) {
+    SCOPED_TRACE(c.name);
+    const TrueDistance distance = exactDistance(c.shape, 0.01);
+    int inside = 0;
+    int outside = 0;
+    for (const Vec3& x : randomPoints(1000, c.low, c.high)) {
+      const double expected = c.phi(x);
+      EXPECT_NEAR(distance.signedDistance(x), expected, 1e-9) << x.transpose();
+      const TrueDistance::Foot foot = distance.foot(x);
+      EXPECT_NEAR((foot.point - x).norm(), foot.distance, 1e-12);
+      EXPECT_NEAR(c.phi(foot.point), 0, 1e-9);
+      ++(expected < 0 ? inside : outside);
+    }
+    EXPECT_GT(inside, 50);
+    EXPECT_GT(outside, 50);
+  }
+}
+
+TEST(TrueDistance, SignHoldsBetweenTrianglesAndSurface) {
+  // Points nearer to the sphere than the chordal error, on both sides.
+  const double deflection = 0.05;
+  const TrueDistance distance = exactDistance(test::sphere(1), deflection);
+  for (Vec3 x : randomPoints(300, {-1, -1, -1}, {1, 1, 1})) {
+    if (x.norm() < 0.1) continue;
+    for (const double offset : {-1e-3, 1e-3}) {
+      const Vec3 p = (1 + offset) * x.normalized();
+      EXPECT_NEAR(distance.signedDistance(p), offset, 1e-9);
+    }
+  }
+}
+
+TEST(TrueDistance, FeaturesFollowTheTrimmedDomain) {
+  const TrueDistance distance = exactDistance(test::box(1, 2, 3), 0.01);
+  EXPECT_EQ(distance.foot({0.5, 1, 4}).feature.kind, FeatureKind::Face);
+  EXPECT_EQ(distance.foot({2, 1, 4}).feature.kind, FeatureKind::Edge);
+  EXPECT_EQ(distance.foot({2, 3, 4}).feature.kind, FeatureKind::Vertex);
+  const auto face = distance.foot({0.5, 1, 4}).feature.id;
+  const auto& plane = distance.tessellation().features.faces[static_cast<std::size_t>(face)].plane;
+  ASSERT_TRUE(plane);
+  EXPECT_NEAR(plane->offset, 3, 1e-12);
+  EXPECT_NEAR(plane->normal.z(), 1, 1e-12);
+  // Rim of a cylinder from outside: between the triangles' chords and the circle.
+  const TrueDistance round = exactDistance(test::cylinder(1, 3), 0.01);
+  for (int i = 0; i < 50; ++i) {
+    const double u = 0.1 + i;
+    const auto foot = round.foot({1.001 * std::cos(u), 1.001 * std::sin(u), 3.5});
+    EXPECT_EQ(foot.feature.kind, FeatureKind::Edge);
+    EXPECT_NEAR(foot.distance, std::hypot(0.001, 0.5), 1e-9);
+    const auto below = round.foot({0.999 * std::cos(u), 0.999 * std::sin(u), 3.5});
+    EXPECT_EQ(below.feature.kind, FeatureKind::Face);
+    EXPECT_NEAR(below.distance, 0.5, 1e-9);
+  }
+}
+
+TEST(TrueDistance, ConeApexIsAVertex) {
+  const TrueDistance distance = exactDistance(test::cone(1, 2), 0.005);
+  const auto above = distance.foot({0.01, 0, 2.5});
+  EXPECT_EQ(above.feature.kind, FeatureKind::Vertex);
+  EXPECT_NEAR(above.distance, std::hypot(0.01, 0.5), 1e-9);
+  EXPECT_EQ(above.sign, 1);
+  // Off the slope: the plane through the generator.
+  const Vec3 normal = Vec3(2, 0, 1).normalized();
+  const Vec3 onSlope(0.5, 0, 1);
+  for (const double d : {-0.2, 0.3}) {
+    EXPECT_NEAR(distance.signedDistance(onSlope + d * normal), d, 1e-9);
+  }
+}
+
+TEST(TrueDistance, SmoothEdgesAreFaces) {
+  const TrueDistance distance = exactDistance(test::filletedBox(4, 0.5), 0.005);
+  int faces = 0;
+  for (const Vec3& x : randomPoints(500, {-1, -1, -1}, {5, 5, 5})) {
+    const auto foot = distance.foot(x);
+    faces += foot.feature.kind == FeatureKind::Face;
+    // A rounded box: distance to the inner box less the radius. Inside that box the faces count.
+    const Vec3 q = (x - Vec3::Constant(2)).cwiseAbs() - Vec3::Constant(1.5);
+    const double expected = q.cwiseMax(0.0).norm() + std::min(q.maxCoeff(), 0.0) - 0.5;
+    EXPECT_NEAR(foot.sign * foot.distance, expected, 1e-6) << x.transpose();  // fillet tolerance
+  }
+  EXPECT_EQ(faces, 500);
+}
+
+TEST(TrueDistance, FreeformFeetAreOrthogonal) {
+  const TrueDistance distance = exactDistance(test::loft(), 0.002);
+  int checked = 0;
+  for (const Vec3& x : randomPoints(400, {-3, -3, 0.5}, {3, 3, 5.5})) {
+    const auto foot = distance.foot(x);
+    EXPECT_NEAR(foot.distance, foot.meshDistance, 0.01);
+    if (foot.feature.kind != FeatureKind::Face || foot.distance < 0.05) continue;
+    const auto mesh = distance.surface().foot(x);
+    Vec3 point, normal;
+    if (mesh.triangle == kNone ||
+        distance.tessellation().mesh.faceOf[static_cast<std::size_t>(mesh.triangle)] !=
+            foot.feature.id ||
+        !distance.pointAndNormal(mesh.triangle, mesh.barycentric, point, normal)) {
+      continue;
+    }
+    EXPECT_GT(std::abs(normal.dot((x - foot.point) / foot.distance)), 1 - 1e-2);
+    ++checked;
+  }
+  EXPECT_GT(checked, 50);
+}
+
+TEST(TrueDistance, PointAndNormalLieOnTheSurface) {
+  const TrueDistance distance = exactDistance(test::sphere(2), 0.02);
+  const auto count = static_cast<Index>(distance.tessellation().mesh.triangles.size());
+  for (Index t = 0; t < count; ++t) {
+    Vec3 point, normal;
+    ASSERT_TRUE(distance.pointAndNormal(t, {0.2, 0.3, 0.5}, point, normal));
+    EXPECT_NEAR(point.norm(), 2, 1e-12);
+    EXPECT_NEAR((normal - point.normalized()).norm(), 0, 1e-9);
+    // At a pole the surface has no normal; a point beside it does.
+    for (int k = 0; k < 3; ++k) {
+      ASSERT_TRUE(distance.pointAndNormal(t, Vec3::Unit(k), point, normal));
+      EXPECT_NEAR((normal - point.normalized()).norm(), 0, 1e-6);
+    }
+  }
+}
+
+TEST(TrueDistance, RefusesATessellationOfAnotherShape) {
+  auto mesh = tessellate(test::solidBody(test::box(1, 1, 1)), {.deflection = 0.1});
+  ASSERT_TRUE(mesh);
+  EXPECT_FALSE(TrueDistance::build(test::sphere(1), std::move(*mesh)));
+}
+
+}  // namespace
+}  // namespace phront::cad
