@@ -1,10 +1,10 @@
 // From a body to one labelled mesh: OpenCASCADE triangulates faces, topology merges them, holes are
-// filled, labels come from the feature table. All of it runs in a guarded child process; the shape
-// of the caller is never touched.
+// filled, sides halved until they are near enough, labels come from the feature table. All of it
+// runs in a guarded child process; the shape of the caller is never touched.
 //
 // Weak spots: a face whose triangulation fails is replaced by the minimal-area patch over its
-// border (counted, and visible in the measured deflection); OpenCASCADE's deflection is a target,
-// not a bound, hence measured.
+// border (counted, and visible in the measured deflection); gaps between edges and surfaces of a
+// loose B-Rep stay in the mesh, hence the deflection is measured.
 #include "phront/cad/tessellate.h"
 
 #include <BRep_Tool.hxx>
@@ -19,6 +19,7 @@
 #include "phront/cad/shape_occt.h"
 #include "tessellate/close_mesh.h"
 #include "tessellate/features.h"
+#include "tessellate/refine.h"
 #include "tessellate/tessellation_bytes.h"
 
 namespace phront::cad {
@@ -32,7 +33,6 @@ constexpr double kPlaneTolerance = 1e-7;       // of the diagonal
 constexpr double kLeastDeflection = 2e-7;      // mm; OpenCASCADE refuses 1e-7 and less
 constexpr std::size_t kMeasured = 20000;       // triangles measured on the whole body, and
 constexpr std::size_t kMeasuredPerFace = 100;  // at least so many on each face
-constexpr double kTangentRatio = 4;  // parameters off by more heights than this are not trusted
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
 
@@ -103,20 +103,6 @@ void labelPatches(Soup& soup, const std::vector<HolePatch>& patches, const Shape
     t.face = faces[at(t.patch)];
     for (std::size_t k = 0; k < 3; ++k) t.uv[k] = patchUv(soup, t, k, index);
   }
-}
-
-// Distance of a point of a triangle from the exact surface. First order where that is good enough:
-// the tangent plane at the corresponding parameters. Where parameters and point lie far apart
-// (patches, apices, uneven parametrisations) by a foot.
-double deviation(const FaceSurface& surface, const Vec3& x, const Eigen::Vector2d& uv,
-                 double tolerance) {
-  Vec3 point, normal;
-  if (!surface.analytic() && surface.pointAndNormal(uv, point, normal)) {
-    const double height = std::abs(normal.dot(x - point));
-    if ((x - point).norm() <= std::max(kTangentRatio * height, tolerance)) return height;
-  }
-  const SurfaceFoot foot = surface.foot(x, tolerance, uv);
-  return foot.converged ? (x - foot.point).norm() : 0;
 }
 
 void measureDeflection(const Soup& soup, const ShapeIndex& index, double tolerance,
@@ -212,6 +198,7 @@ Result<Tessellation> tessellateHere(const TopoDS_Shape& shape, bool solid,
     return fail(ErrorCode::Failed, "No face of the body can be tessellated.");
   }
   labelPatches(soup, patches, index, mesh);
+  refine(soup, index, deflection);
 
   FeatureOptions featureOptions;
   featureOptions.smoothAngle =
