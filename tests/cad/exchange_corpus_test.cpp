@@ -34,6 +34,10 @@ std::vector<fs::path> partsIn(const fs::path& folder) {
   return parts;
 }
 
+// The default is for a machine that is not busy with other tests.
+const ReadOptions kPatient{.timeLimit = 300};
+const ReadOptions kPatientAsIs{.timeLimit = 300, .repair = false};
+
 struct Summary {
   int solids = 0;
   int sheets = 0;
@@ -86,7 +90,7 @@ TEST(Corpus, EveryPartIsReadAsPromised) {
   ASSERT_GT(promises.size(), 30U);
   for (const fs::path& path : partsIn(corpusFolder())) {
     const std::string name = path.filename().string();
-    const auto model = readModel(path);
+    const auto model = readModel(path, kPatient);
     ASSERT_TRUE(model) << model.error().message;
     const Summary summary = summaryOf(*model);
     EXPECT_EQ(summary.valid, static_cast<int>(model->bodies.size())) << name;
@@ -103,7 +107,7 @@ TEST(Corpus, EveryPartSurvivesStepAndBrep) {
   if (!fs::exists(corpusFolder())) GTEST_SKIP() << "the collected parts are not here";
   const std::string mine = "phront_corpus_" + std::to_string(::getpid());
   for (const fs::path& path : partsIn(corpusFolder())) {
-    const auto model = readModel(path);
+    const auto model = readModel(path, kPatient);
     ASSERT_TRUE(model) << model.error().message;
     const Summary before = summaryOf(*model);
     for (const char* extension : {".step", ".brep"}) {
@@ -111,7 +115,7 @@ TEST(Corpus, EveryPartSurvivesStepAndBrep) {
       const std::string name = path.filename().string() + " as " + extension;
       const auto written = writeModel(*model, copy);
       ASSERT_TRUE(written) << written.error().message;
-      const auto again = readModel(copy, {.repair = false});
+      const auto again = readModel(copy, kPatientAsIs);
       fs::remove(copy);
       ASSERT_TRUE(again) << name << ": " << again.error().message;
       const Summary after = summaryOf(*again);

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 #include <BRepBndLib.hxx>
+#include <BRepCheck_Analyzer.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <ShapeAnalysis_ShapeTolerance.hxx>
@@ -175,7 +176,18 @@ class BodyMaker {
     body.kind = repaired.solid ? BodyKind::Solid : BodyKind::Sheet;
     body.name = name;
     if (options_.repair) checkTolerance(repaired.shape, name);
+    if (options_.repair && !repaired.solid) checkSheet(repaired.shape, name);
     model_.bodies.push_back(std::move(body));
+  }
+
+  void checkSheet(const TopoDS_Shape& sheet, const std::string& name) {
+    const std::string who = label(model_.bodies.size(), name);
+    if (edgeUse(facesOf(sheet)).edges == 0) {
+      model_.warnings.push_back(who + " has no edges that bound it: its extent is uncertain");
+    } else if (!BRepCheck_Analyzer(sheet).IsValid()) {
+      model_.warnings.push_back(who +
+                                " is not valid (OpenCASCADE's check): its borders are uncertain");
+    }
   }
 
   // Edges and vertices that miss each other by a large tolerance: a warning, or refusal.
