@@ -46,8 +46,7 @@ class Collapser {
 
   /// Heap order: cheapest on top, ties by number.
   static bool isLater(const Candidate& a, const Candidate& b);
-  [[nodiscard]] double cost(Index gone, Index kept) const;
-  void push(Index p, Index q);
+  void push(Index p, Index q);  ///< p onto q, unless hopeless
   [[nodiscard]] std::vector<Index> neighbours(Index p) const;
   [[nodiscard]] bool tryCollapse(Index gone, Index kept);
   [[nodiscard]] bool linkAllows(Index gone, Index kept) const;
@@ -66,6 +65,7 @@ class Collapser {
   Vec3 origin_ = Vec3::Zero();
   std::vector<Quadric> quadrics_;              ///< per point, about origin_
   std::vector<std::uint32_t> stamps_;          ///< per point: changes of its quadric
+  std::vector<char> changed_;                  ///< per point: surroundings changed in this pass
   std::vector<std::vector<Index>> witnesses_;  ///< per triangle: points of phi = d it stands for
   std::vector<Candidate> heap_;
 
