@@ -25,9 +25,9 @@
 namespace phront::cad {
 namespace {
 
-constexpr double kTimeLimit = 40;      // s, one try
+constexpr double kTimeLimit = 45;      // s, one try
 constexpr double kMemoryLimit = 6144;  // MiB
-constexpr double kCoarser = 8;  // deflection of the second try, when the first takes too long
+constexpr double kCoarser = 8;  // of the deflection, each time a try takes too long or crashes
 constexpr double kDefaultSmoothAngle = 1e-3;   // rad, when no distance is given
 constexpr double kPlaneTolerance = 1e-7;       // of the diagonal
 constexpr double kLeastDeflection = 2e-7;      // mm; OpenCASCADE refuses 1e-7 and less
@@ -231,7 +231,7 @@ Result<Tessellation> tessellate(const Body& body, const TessellateOptions& optio
                 "The distance and the smooth tolerance must not be negative.");
   }
   Result<std::string> bytes = fail(ErrorCode::Failed, "not tried");
-  for (const double factor : {1.0, kCoarser}) {
+  for (const double factor : {1.0, kCoarser, kCoarser * kCoarser}) {
     bytes = runInChild("tessellating", {kTimeLimit, kMemoryLimit}, [&]() -> Result<std::string> {
       return guardOcct("tessellating", [&]() -> Result<std::string> {
         const auto here = tessellateHere(occtShape(body.shape), body.kind == BodyKind::Solid,
