@@ -32,10 +32,13 @@ constexpr double kShareBeyond = 0.01;       // of the area may deviate more than
 constexpr double kWrongSide = 0.001;        // of the area may lie on the wrong side
 // Fewer sampled points than this do not prove that something is left: other samples find none.
 constexpr int kFewestKept = 5;
-// The triangles only start the exact search and carry the sides: fine against the part and against
-// d.
-constexpr double kDeflectionOfDiagonal = 1e-4;
-constexpr double kDeflectionOfDistance = 0.02;
+// The triangles start the exact search, carry the sides and screen search points: fine against the
+// part and against d, yet no finer, since queries and meshing are most of the time.
+constexpr double kDeflectionOfDiagonal = 4e-4;
+constexpr double kDeflectionOfDistance = 0.015;
+// What a user's programs tessellate a part with; every face must survive it.
+constexpr double kUsualOfDiagonal = 1e-4;
+constexpr double kUsualOfDistance = 0.02;
 constexpr double kFinestOfDiagonal = 2e-6;  // keeps the triangle count finite for tiny distances
 constexpr double kMeshAngle = 0.25;         // rad
 constexpr std::uint64_t kAccuracySeed = 0x9e3779b97f4a7c15;
@@ -143,15 +146,9 @@ bool isEmpty(const Model& model) {
                      [](const Body& body) { return faceCount(body.shape) == 0; });
 }
 
-TessellateOptions meshOptions(const Model& in, double distance) {
-  const double diagonal = boundingBox(in).diagonal().norm();
-  TessellateOptions options;
-  options.deflection = std::max(
-      std::min(kDeflectionOfDiagonal * diagonal, kDeflectionOfDistance * std::abs(distance)),
-      kFinestOfDiagonal * diagonal);
-  options.angle = kMeshAngle;
-  options.distance = std::abs(distance);
-  return options;
+double deflectionOf(double diagonal, double ofDiagonal, double distance, double ofDistance) {
+  return std::max(std::min(ofDiagonal * diagonal, ofDistance * std::abs(distance)),
+                  kFinestOfDiagonal * diagonal);
 }
 
 std::string at(const Vec3& p) {
@@ -264,7 +261,12 @@ CheckResult judge(const Figures& f, double tolerance) {
 Figures measure(const Model& in, const Model& out, MeasureOptions options, double tolerance) {
   Figures figures;
   figures.outEmpty = isEmpty(out);
-  const TessellateOptions mesh = meshOptions(in, options.distance);
+  const double diagonal = boundingBox(in).diagonal().norm();
+  TessellateOptions mesh;
+  mesh.deflection =
+      deflectionOf(diagonal, kDeflectionOfDiagonal, options.distance, kDeflectionOfDistance);
+  mesh.angle = kMeshAngle;
+  mesh.distance = std::abs(options.distance);
   const auto inDistance = ModelDistance::build(in.bodies, mesh, "the input");
   if (!inDistance) {
     figures.inError = inDistance.error().message;
@@ -290,7 +292,9 @@ Figures measure(const Model& in, const Model& out, MeasureOptions options, doubl
     figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
   }
   if (judge(figures, tolerance).pass()) {  // meshing again takes time; only a pass can suffer
-    figures.untessellated = facesWithoutTriangles(shape, mesh.deflection, mesh.angle);
+    const double usual =
+        deflectionOf(diagonal, kUsualOfDiagonal, options.distance, kUsualOfDistance);
+    figures.untessellated = facesWithoutTriangles(shape, usual, kMeshAngle);
   }
   return figures;
 }
