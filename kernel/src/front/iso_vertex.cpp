@@ -46,11 +46,12 @@ constexpr int kRounds = 8;
 
 /// What the crossed edges of a site tell.
 struct VertexPlacer::Crossings {
-  Vec3 lower;                     // corner of the cell
-  Vec3 mean = Vec3::Zero();       // of the linear crossings
-  std::array<Index, 24> nodes{};  // ends of the edges, each once
-  std::size_t nodeCount = 0;
-  std::array<Index, 2> edge{};  // ends of the edge whose crossing is next to the mean
+  Vec3 lower;                    // corner of the cell
+  Vec3 mean = Vec3::Zero();      // of the linear crossings
+  std::array<Index, 8> nodes{};  // ends of the edges, each once
+  std::size_t edgeNodes = 0;     // those come first
+  std::size_t nodeCount = 0;     // further corners of the cell where it has this site only
+  std::array<Index, 2> edge{};   // ends of the edge whose crossing is next to the mean
 };
 
 VertexPlacer::VertexPlacer(const SurfaceDistance& surface, const LevelGrid& grid,
@@ -87,6 +88,19 @@ Vec3 VertexPlacer::crossingOn(const std::array<Index, 2>& ends) const {
   return from + plane.value_or(linear) * along;
 }
 
+namespace {
+
+bool crossesAll(const GridCell& cell, std::uint16_t edges) {
+  for (int e = 0; e < 12; ++e) {
+    const auto [low, high] = cornersOfEdge(e);
+    const bool crossed = ((cell.inside >> low) & 1U) != ((cell.inside >> high) & 1U);
+    if (crossed != (((edges >> e) & 1U) != 0)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
 VertexPlacer::Crossings VertexPlacer::crossingsOf(const IsoSite& site) const {
   const GridCell& cell = grid_.cells()[static_cast<std::size_t>(site.cell)];
   Crossings out;
@@ -108,6 +122,15 @@ VertexPlacer::Crossings VertexPlacer::crossingsOf(const IsoSite& site) const {
     }
   }
   out.mean /= static_cast<double>(count);
+  out.edgeNodes = out.nodeCount;
+  // A crease near a corner of the cell may show in that corner's foot only. With several sites in
+  // the cell it might be another one's.
+  if (crossesAll(cell, site.edges)) {
+    for (const Index node : cell.node) {
+      const auto end = out.nodes.begin() + static_cast<std::ptrdiff_t>(out.nodeCount);
+      if (std::find(out.nodes.begin(), end, node) == end) out.nodes[out.nodeCount++] = node;
+    }
+  }
   std::size_t nearest = 0;
   for (std::size_t i = 1; i < count; ++i) {
     if ((points[i] - out.mean).squaredNorm() < (points[nearest] - out.mean).squaredNorm()) {
@@ -139,6 +162,27 @@ Vec3 clampToCell(const Vec3& x, const Vec3& lower, double h, double margin) {
   const Vec3 from = lower - Vec3::Constant(margin * h);
   const Vec3 to = lower + Vec3::Constant((1 + margin) * h);
   return x.cwiseMax(from).cwiseMin(to);
+}
+
+/// The point of a line nearest to x that lies in the cell, a little off its faces.
+std::optional<Vec3> pointOfLineInCell(const Vec3& x, const Vec3& along, const Vec3& lower,
+                                      double h) {
+  const Vec3 from = lower + Vec3::Constant(kInset * h);
+  const Vec3 to = lower + Vec3::Constant((1 - kInset) * h);
+  double first = -std::numeric_limits<double>::infinity();
+  double last = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < 3; ++a) {
+    const double s0 = (from[a] - x[a]) / along[a];
+    const double s1 = (to[a] - x[a]) / along[a];
+    if (std::isfinite(s0) && std::isfinite(s1)) {
+      first = std::max(first, std::min(s0, s1));
+      last = std::min(last, std::max(s0, s1));
+    } else if (x[a] < from[a] || x[a] > to[a]) {
+      return std::nullopt;
+    }
+  }
+  if (!(first <= last) || !std::isfinite(first) || !std::isfinite(last)) return std::nullopt;
+  return x + std::clamp(0.0, first, last) * along;
 }
 
 bool inCell(const Vec3& x, const Vec3& lower, double h, double margin) {
@@ -175,7 +219,7 @@ bool VertexPlacer::distinct(const Branch& a, const Branch& b) const {
 
 /// The different branches that hold the feet of the site's corners, seen from x.
 VertexPlacer::Branches VertexPlacer::gather(const Crossings& crossings, const Vec3& x) const {
-  std::array<Index, 24> seeds{};
+  std::array<Index, 8> seeds{};
   std::size_t seedCount = 0;
   for (std::size_t i = 0; i < crossings.nodeCount; ++i) {
     const Index t = grid_.nodes()[static_cast<std::size_t>(crossings.nodes[i])].triangle;
@@ -251,8 +295,14 @@ bool VertexPlacer::tryCrease(Branches branches, const Vec3& start, const Crossin
   for (int round = 0; round < kRounds; ++round) {
     if (!solveBranches(branches, x)) return false;
     if (!reachable(x, crossings.lower)) {
-      // The crease may still cut the cell: alternate between both (von Neumann 1949).
-      x = clampToCell(x, crossings.lower, grid_.spacing(), -kInset);
+      // The crease may still cut the cell, elsewhere: along its tangent, else by alternating
+      // between both (von Neumann 1949).
+      std::optional<Vec3> inside;
+      if (branches.size() == 2) {
+        const Vec3 along = branches[0].direction.cross(branches[1].direction);
+        inside = pointOfLineInCell(x, along, crossings.lower, grid_.spacing());
+      }
+      x = inside ? *inside : clampToCell(x, crossings.lower, grid_.spacing(), -kInset);
       continue;
     }
     const FootPoint foot = surface_.footFrom(x, branches.front().triangle);
@@ -361,7 +411,7 @@ IsoVertex VertexPlacer::place(const IsoSite& site) const {
   const Crossings crossings = crossingsOf(site);
   Eigen::Matrix3d a = Eigen::Matrix3d::Zero();
   Vec3 b = Vec3::Zero();
-  for (std::size_t i = 0; i < crossings.nodeCount; ++i) {
+  for (std::size_t i = 0; i < crossings.edgeNodes; ++i) {
     const GridNode& node = grid_.nodes()[static_cast<std::size_t>(crossings.nodes[i])];
     const double distance = std::abs(node.phi);
     if (!(distance > tolerance_)) continue;  // no direction from a point on the surface
