@@ -7,6 +7,11 @@ namespace phront::cad {
 
 std::vector<AttemptSetting> attemptSettings() {
   std::vector<AttemptSetting> settings;
+  settings.push_back({.name = "quick",
+                      .smoothTolerance = 0.01,
+                      .dropDeadPatches = true,
+                      .setAside = true,
+                      .timeLimit = 10});
   settings.push_back(
       {.name = "plain", .smoothTolerance = 0.01, .dropDeadPatches = true, .timeLimit = 15});
   settings.push_back({.name = "fine",

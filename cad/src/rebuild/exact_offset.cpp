@@ -22,6 +22,8 @@ namespace {
 /// good to a tenth of it.
 constexpr double kLevelTolerance = 1e-5;
 constexpr double kApproximation = 1e-6;
+/// Of the diagonal: deeper than the distance's own error, shallower than a crossing that matters.
+constexpr double kLiveTolerance = 1e-7;
 
 }  // namespace
 
@@ -54,7 +56,19 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     if (count > 0) result.notes.push_back(fmt::format("{} patches proven dead", count));
   }
 
-  const Result<std::vector<TopoDS_Face>> split = splitFaces(raw.faces, setting.fuzzy * diagonal);
+  std::vector<TopoDS_Face> settled;
+  if (setting.setAside) {
+    const auto crossed = [&](const TopoDS_Face& f) {
+      return !liveAllOver(f, distance, kLiveTolerance * diagonal, phi);
+    };
+    const auto middle = std::stable_partition(raw.faces.begin(), raw.faces.end(), crossed);
+    settled.assign(middle, raw.faces.end());
+    raw.faces.erase(middle, raw.faces.end());
+    result.notes.push_back(fmt::format("{} patches live all over", settled.size()));
+  }
+
+  const Result<std::vector<TopoDS_Face>> split =
+      splitFaces(raw.faces, settled, setting.fuzzy * diagonal);
   if (!split) return tl::unexpected<Error>(split.error());
   result.splitFaces = static_cast<int>(split->size());
 

@@ -12,21 +12,22 @@ namespace phront::cad {
 
 /// One way to try. Several are tried, each judged; the first that passes wins.
 struct AttemptSetting {
-  std::string name;             ///< shown in the report
-  double fuzzy = 0;             ///< of the diagonal, General Fuse
-  double smoothTolerance = 0;   ///< of |d|: an edge with dihedral angle below is smooth
-  double sewTolerance = 0;      ///< of the diagonal; 0: kept faces are not sewn
-  bool canonical = false;       ///< recognise planes, cylinders, ... stored as B-splines
-  bool unifyInput = false;      ///< merge split faces of the input first
-  bool dropDeadPatches = false; ///< drop patches that no label of the iso-surface names
-  double timeLimit = 15;        ///< s
+  std::string name;              ///< shown in the report
+  double fuzzy = 0;              ///< of the diagonal, General Fuse
+  double smoothTolerance = 0;    ///< of |d|: an edge with dihedral angle below is smooth
+  double sewTolerance = 0;       ///< of the diagonal; 0: kept faces are not sewn
+  bool canonical = false;        ///< recognise planes, cylinders, ... stored as B-splines
+  bool unifyInput = false;       ///< merge split faces of the input first
+  bool dropDeadPatches = false;  ///< drop patches that no label of the iso-surface names
+  bool setAside = false;         ///< patches that are on the offset all over are not intersected
+  double timeLimit = 15;         ///< s
 };
 
 /// The settings in the order they are tried.
 [[nodiscard]] std::vector<AttemptSetting> attemptSettings();
 
 struct AttemptResult {
-  TopoDS_Shape shape;           ///< solids (or a sheet); null when nothing is left
+  TopoDS_Shape shape;  ///< solids (or a sheet); null when nothing is left
   int rawFaces = 0;
   int splitFaces = 0;
   int keptFaces = 0;
@@ -34,8 +35,9 @@ struct AttemptResult {
   std::vector<std::string> notes;  ///< healing done, faces given up: one sentence each
 };
 
-/// Runs in the calling process and may throw, hang or crash with OpenCASCADE: call it in runInChild.
-/// `distance` signed, mm. `solid`: closed result wanted; else a sheet on the side of the normals.
+/// Runs in the calling process and may throw, hang or crash with OpenCASCADE: call it in
+/// runInChild. `distance` signed, mm. `solid`: closed result wanted; else a sheet on the side of
+/// the normals.
 [[nodiscard]] Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid,
                                                    double distance, const TrueDistance& phi,
                                                    const AttemptSetting& setting);

@@ -12,4 +12,11 @@ namespace phront::cad {
 [[nodiscard]] Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces,
                                                           double fuzzy);
 
+/// The same, with `settled` faces that nothing crosses set aside: only their edges take part, and
+/// they come back, after the pieces of `faces`, with their edges replaced where those were cut or
+/// merged.
+[[nodiscard]] Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces,
+                                                          const std::vector<TopoDS_Face>& settled,
+                                                          double fuzzy);
+
 }  // namespace phront::cad
