@@ -19,9 +19,14 @@ constexpr int kBarWidth = 30;
 
 std::atomic<int> interruptCount{0};
 
-void onInterrupt(int) {
+// Seconds that the work has to notice that it shall stop; files are written aside, so nothing half
+// done is left when it does not.
+constexpr unsigned kGraceSeconds = 3;
+
+void onInterrupt(int signal) {
   // A second Ctrl-C does not wait for the work to notice.
-  if (interruptCount.fetch_add(1) > 0) _exit(kInterrupted);
+  if (signal == SIGALRM || interruptCount.fetch_add(1) > 0) _exit(kInterrupted);
+  alarm(kGraceSeconds);
 }
 
 bool showsBar(const CommonOptions& options) { return !options.quiet && isatty(STDERR_FILENO) != 0; }
@@ -109,6 +114,7 @@ void installInterruptHandler() {
   action.sa_handler = onInterrupt;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGALRM, &action, nullptr);
   signal(SIGPIPE, SIG_IGN);  // a closed pipe is an error to report, not a death
 }
 

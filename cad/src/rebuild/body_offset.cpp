@@ -4,7 +4,10 @@
 
 #include <chrono>
 #include <cmath>
+#include <sstream>
 
+#include "exchange/guard.h"
+#include "exchange/shape_bytes.h"
 #include "phront/cad/shape_occt.h"
 #include "phront/cad/tessellate.h"
 #include "phront/facet.h"
@@ -28,6 +31,10 @@ constexpr double kCoarsestDeflection = 3e-4;
 // Deviation at which facets are chosen, as a share of the tolerance. The tolerance bounds a 99th
 // percentile; this bounds the bulk.
 constexpr double kFacetShareOfTolerance = 0.35;
+
+// What the facets of one body may take.
+constexpr double kFacetSeconds = 45;
+constexpr double kFacetMemoryMiB = 4000;
 
 class StageClock {
  public:
@@ -92,29 +99,46 @@ int curvedFacets(const FacetedSurface& facets, const FeatureTable& features) {
   return count;
 }
 
-// The iso-surface itself becomes the solid.
-void useFacets(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-               const IsoSurface& front, BodyOffset& result, const Progress& progress) {
-  BodyReport& report = result.report;
+// Facets and their solid as bytes: "<max deviation> <curved facets> <facets>\n" and the shape.
+Result<std::string> makeFacetSolid(const OffsetOptions& options, const TrueDistance& phi,
+                                   const IsoSurface& front) {
   FacetOptions facetOptions;
   facetOptions.tolerance = kFacetShareOfTolerance * *options.tolerance;
   facetOptions.planeOfFace = planesOf(phi.tessellation().features);
-  facetOptions.threads = options.threads;
+  facetOptions.threads = 1;  // a guarded child starts no thread
   const Result<FacetedSurface> facets =
-      facetIsoSurface(phi.surface(), front, options.distance, facetOptions, progress);
-  if (!facets) {
-    report.check = failedCheck(facets.error().message);
+      facetIsoSurface(phi.surface(), front, options.distance, facetOptions);
+  if (!facets) return tl::unexpected(facets.error());
+  const Result<TopoDS_Shape> solid = solidOfFacets(*facets);
+  if (!solid) return tl::unexpected(solid.error());
+  return fmt::format("{} {}\n", curvedFacets(*facets, phi.tessellation().features),
+                     facets->polygons.size()) +
+         bytesOfShape(*solid);
+}
+
+// The iso-surface itself becomes the solid.
+void useFacets(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
+               const IsoSurface& front, BodyOffset& result) {
+  BodyReport& report = result.report;
+  report.setting = "facets of the iso-surface";
+  const Result<std::string> bytes =
+      runInChild("facets of the iso-surface", {kFacetSeconds, kFacetMemoryMiB},
+                 [&] { return makeFacetSolid(options, phi, front); });
+  if (!bytes) {
+    report.check = failedCheck(bytes.error().message);
     return;
   }
-  const Result<TopoDS_Shape> solid = solidOfFacets(*facets);
+  const std::size_t headerEnd = bytes->find('\n');
+  std::istringstream header(bytes->substr(0, headerEnd));
+  int total = 0;
+  header >> report.facetedFaces >> total;
+  report.exactFaces = total - report.facetedFaces;
+  const Result<TopoDS_Shape> solid = shapeOfBytes(std::string_view(*bytes).substr(headerEnd + 1));
   if (!solid) {
     report.check = failedCheck(solid.error().message);
     return;
   }
   result.bodies = bodiesOf(*solid, BodyKind::Solid, body.name);
-  report.facetedFaces = curvedFacets(*facets, phi.tessellation().features);
-  report.exactFaces = static_cast<int>(facets->polygons.size()) - report.facetedFaces;
-  report.setting = "facets of the iso-surface";
   const Result<CheckResult> check = checkBody(body, result.bodies, options);
   report.check = check ? *check : failedCheck(check.error().message);
   report.kind = report.check.pass() ? OffsetKind::Faceted : OffsetKind::Failed;
@@ -181,7 +205,7 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
   } else if (front) {
     if (!progress.part(0.8, 1, "facets").report(0))
       return fail(ErrorCode::Cancelled, "the offset was cancelled");
-    useFacets(body, options, *phi, *front, result, progress.part(0.8, 1, "facets"));
+    useFacets(body, options, *phi, *front, result);
     clock.lap("facets");
   } else {
     report.check = failedCheck(report.attempts.empty() ? "no way gave a result"

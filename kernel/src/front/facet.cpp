@@ -25,7 +25,10 @@ constexpr double kHeightFloor = 1e-7;
 // the rest.
 constexpr double kRefineShare = 0.8;
 // Triangles that splitting may add: enough for any sound iso-surface, an end to unsound ones.
-constexpr Index kMaxAdded = 300'000;
+constexpr Index kMaxAdded = 150'000;
+// Sides shorter than this share of the grid spacing are not split: three halvings take a chord's
+// deviation down to 1/64, what is left then is a missed crease.
+constexpr double kShortestOfSpacing = 0.12;
 constexpr double kToleranceStep = 1.5;
 constexpr int kMaxRounds = 24;  // 1.5^24 = 17 000 times the tolerance
 
@@ -81,7 +84,8 @@ Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const Iso
   facet::WorkMesh mesh = facet::makeWorkMesh(context, iso);
   if (!progress.report(0.1)) return fail(ErrorCode::Cancelled, "Facetting was cancelled.");
   facet::assignPlanes(mesh, context, labels, options.planeOfFace, kSnapShare * options.tolerance);
-  facet::refine(mesh, context, kRefineShare * options.tolerance, mesh.triangleCount() + kMaxAdded);
+  facet::refine(mesh, context, kRefineShare * options.tolerance, kShortestOfSpacing * iso.spacing,
+                mesh.triangleCount() + kMaxAdded);
   if (!progress.report(0.3)) return fail(ErrorCode::Cancelled, "Facetting was cancelled.");
 
   facet::Collapser collapser(mesh, context);

@@ -41,6 +41,10 @@ constexpr int kMaxPasses = 4;
 // of the other end; quadric errors beyond twice that are hopeless and not worth measuring.
 constexpr double kHopeless = 8;
 
+// Hubs of many spokes make every collapse beside them slow (the work grows with the square), and
+// the triangles of a plane are merged to one polygon later anyway.
+constexpr std::size_t kMaxSpokes = 48;
+
 bool contains(const std::vector<Index>& sorted, Index value) {
   return std::binary_search(sorted.begin(), sorted.end(), value);
 }
@@ -118,6 +122,7 @@ Result<void> Collapser::run(double tolerance, const Progress& progress) {
 }
 
 bool Collapser::tryCollapse(Index gone, Index kept) {
+  if (mesh_.around[gone].size() + mesh_.around[kept].size() > kMaxSpokes) return false;
   const auto& planes = mesh_.exactPlanes[kept];
   fan_.clear();
   lost_.clear();

@@ -77,8 +77,10 @@ struct Measured {
 void assignPlanes(WorkMesh& mesh, const Context& context, std::span<const Feature> labels,
                   std::span<const std::optional<Plane>> planeOfFace, double snap);
 
-/// Splits sides whose middle deviates by more than `tolerance`; new points lie on phi = d.
-void refine(WorkMesh& mesh, const Context& context, double tolerance, Index maxTriangles);
+/// Splits sides longer than `shortest` whose middle deviates by more than `tolerance`; new points
+/// lie on phi = d.
+void refine(WorkMesh& mesh, const Context& context, double tolerance, double shortest,
+            Index maxTriangles);
 
 /// Polygons of the mesh: connected triangles in one plane become one, others stay triangles.
 [[nodiscard]] FacetedSurface mergePlanes(const WorkMesh& mesh, const Context& context,

@@ -19,6 +19,8 @@ namespace {
 constexpr int kProjectionSteps = 4;
 // A projected middle may move by this part of its side: farther is another sheet.
 constexpr double kLargestMove = 0.3;
+// Splitting round and round one point is a crease that splits cannot find, not a curved surface.
+constexpr std::size_t kMaxSpokes = 64;
 // A projected middle has landed when it misses phi = d by no more than this share of the tolerance.
 constexpr double kLanded = 0.1;
 
@@ -65,7 +67,8 @@ Index splitTriangle(WorkMesh& mesh, Index t, Index from, Index to, Index p) {
 
 }  // namespace
 
-void refine(WorkMesh& mesh, const Context& context, double tolerance, Index maxTriangles) {
+void refine(WorkMesh& mesh, const Context& context, double tolerance, double shortest,
+            Index maxTriangles) {
   std::priority_queue<Side> queue;
   const auto push = [&](Index a, Index b) {
     if (a > b) std::swap(a, b);
@@ -82,7 +85,8 @@ void refine(WorkMesh& mesh, const Context& context, double tolerance, Index maxT
     const Side side = queue.top();
     queue.pop();
     // Between two points of phi = d the middle of such a short side cannot deviate more.
-    if (side.length < 2 * tolerance) break;
+    if (side.length < std::max(shortest, 2 * tolerance)) break;
+    if (mesh.around[side.from].size() > kMaxSpokes) continue;
     std::vector<Index> both;
     for (const Index t : mesh.around[side.from]) {
       const Corners& c = mesh.corners[t];
