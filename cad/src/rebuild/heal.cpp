@@ -2,13 +2,15 @@
 // divided where they are not C1. A closed face or a closed edge meets itself at its seam, where the
 // images of its two sides are different curves: both are cut in halves. Faces on one surface
 // may be merged first, which takes away the seams between them.
-// Weak spot: a division that OpenCASCADE gets wrong is seen only by area and validity.
+// Weak spots: planes, cylinders, ... stored as B-splines stay B-splines; a division that
+// OpenCASCADE gets wrong is seen only by area and validity.
 #include "rebuild/heal.h"
 
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <GProp_GProps.hxx>
+#include <ShapeCustom.hxx>
 #include <ShapeFix_Shape.hxx>
 #include <ShapeUpgrade_ShapeDivideClosed.hxx>
 #include <ShapeUpgrade_ShapeDivideClosedEdges.hxx>
@@ -84,6 +86,10 @@ TopoDS_Shape divideClosedEdges(const TopoDS_Shape& shape) {
   return divide.Perform() ? divide.Result() : shape;
 }
 
+TopoDS_Shape sweptToElementary(const TopoDS_Shape& shape) {
+  return ShapeCustom::SweptToElementary(shape);
+}
+
 TopoDS_Shape unify(const TopoDS_Shape& shape) {
   ShapeUpgrade_UnifySameDomain unifier(shape, Standard_True, Standard_True, Standard_False);
   unifier.Build();
@@ -95,6 +101,7 @@ TopoDS_Shape unify(const TopoDS_Shape& shape) {
 HealedShape heal(const TopoDS_Shape& body, const HealOptions& options) {
   HealedShape healed;
   healed.shape = BRepBuilderAPI_Copy(body).Shape();
+  if (options.canonical) apply(healed, "recognition of swept surfaces", sweptToElementary);
   if (options.unify) apply(healed, "merging faces", unify);
   apply(healed, "division at kinks",
         [&](const TopoDS_Shape& s) { return divideContinuity(s, options.tolerance); });

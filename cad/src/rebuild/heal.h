@@ -9,7 +9,7 @@ namespace phront::cad {
 
 struct HealOptions {
   double tolerance = 0;    ///< mm, within which the shape may move
-  bool canonical = false;  ///< recognise planes, cylinders, ... stored as B-splines
+  bool canonical = false;  ///< extrusions and revolutions that are planes, cylinders, ... become so
   bool unify = false;      ///< merge faces that lie on one surface
 };
 
