@@ -18,6 +18,10 @@ namespace {
 // Triangles of a part follow its faces to this share of |d|.
 constexpr double kDeflectionOfDistance = 0.002;
 
+// Triangles between exact nodes cut their chords; this share of |d| is what a mesh may miss by
+// default. A finer mesh is a smaller --tol away.
+constexpr double kMeshToleranceOfDistance = 0.05;
+
 struct MeshOffset {
   TriMesh mesh;
   double p99 = 0;  ///< 99th percentile by area of |phi - d| at triangle centres
@@ -47,7 +51,17 @@ void measure(const SurfaceDistance& surface, double distance, MeshOffset& offset
   }
 }
 
-Result<MeshOffset> offsetOne(TriMesh mesh, double distance, bool parametric,
+// Grid spacing at which chords over the tightest curvature of an offset, 1/|d|, stay within the
+// tolerance: h^2 / (8 |d|) = tolerance / 2, if the automatic spacing is not finer already.
+double spacingFor(double distance, double tolerance) {
+  return std::sqrt(4 * tolerance * std::abs(distance));
+}
+
+double toleranceOf(std::optional<double> asked, double distance) {
+  return asked.value_or(kMeshToleranceOfDistance * std::abs(distance));
+}
+
+Result<MeshOffset> offsetOne(TriMesh mesh, double distance, bool parametric, double tolerance,
                              const CommonOptions& options, const Progress& progress) {
   const Result<SurfaceDistance> surface = SurfaceDistance::build(std::move(mesh));
   if (!surface) return tl::unexpected(surface.error());
@@ -67,6 +81,7 @@ Result<MeshOffset> offsetOne(TriMesh mesh, double distance, bool parametric,
     IsoSurfaceOptions iso;
     iso.level = distance;
     iso.threads = options.threads;
+    iso.largestSpacing = spacingFor(distance, tolerance);
     Result<IsoSurface> front = isoSurface(*surface, iso, progress);
     if (!front) return tl::unexpected(front.error());
     offset.mesh = std::move(front->mesh);
@@ -76,11 +91,11 @@ Result<MeshOffset> offsetOne(TriMesh mesh, double distance, bool parametric,
 }
 
 int finish(const MeshOffset& offset, const TriMesh& in, const std::filesystem::path& inPath,
-           const std::filesystem::path& out, double distance, std::optional<double> tolerance,
-           const CommonOptions& options) {
+           const std::filesystem::path& out, double distance, bool parametric,
+           std::optional<double> tolerance, const CommonOptions& options) {
   endProgress(options);
   if (interrupted()) return kInterrupted;
-  const double allowed = tolerance.value_or(0.01 * std::abs(distance));
+  const double allowed = toleranceOf(tolerance, distance);
   const nlohmann::json report = {{"distance", distance},
                                  {"tolerance", allowed},
                                  {"points", offset.mesh.points.size()},
@@ -94,7 +109,8 @@ int finish(const MeshOffset& offset, const TriMesh& in, const std::filesystem::p
       fmt::print(stderr, "the part is thinner than 2|d| everywhere: its offset is empty\n");
     return kDone;
   }
-  const bool pass = offset.p99 <= allowed && offset.stopped == 0;
+  // Moved nodes are judged as nodes: the triangles between them are the input's own.
+  const bool pass = parametric ? offset.stopped == 0 : offset.p99 <= allowed;
   const std::filesystem::path target = pass || options.keep ? out : cad::rejectedPath(out);
   if (const Result<void> ok = writeMesh(offset.mesh, target); !ok) return reportError(ok.error());
   if (const Result<void> ok = drawMeshes(in, inPath.filename().string(), offset.mesh,
@@ -133,12 +149,13 @@ int offsetMeshFile(const std::filesystem::path& in, const std::filesystem::path&
                found.freeEdges, found.nonManifoldEdges, found.misorientedEdges,
                found.degenerateTriangles);
   const Result<MeshOffset> offset =
-      offsetOne(*mesh, distance, parametric, options, makeProgress(options));
+      offsetOne(*mesh, distance, parametric, toleranceOf(tolerance, distance), options,
+                makeProgress(options));
   if (!offset) {
     endProgress(options);
     return reportError(offset.error());
   }
-  return finish(*offset, *mesh, in, out, distance, tolerance, options);
+  return finish(*offset, *mesh, in, out, distance, parametric, tolerance, options);
 }
 
 int offsetModelToMesh(const cad::Model& model, const std::filesystem::path& in,
@@ -159,9 +176,9 @@ int offsetModelToMesh(const cad::Model& model, const std::filesystem::path& in,
       return reportError(mesh.error());
     }
     appendMesh(input, mesh->mesh);
-    const Result<MeshOffset> offset =
-        offsetOne(std::move(mesh->mesh), distance, parametric, options,
-                  progress.part(static_cast<double>(i) / count, (i + 1.0) / count, "front"));
+    const Result<MeshOffset> offset = offsetOne(
+        std::move(mesh->mesh), distance, parametric, toleranceOf(tolerance, distance), options,
+        progress.part(static_cast<double>(i) / count, (i + 1.0) / count, "front"));
     if (!offset) {
       endProgress(options);
       return reportError(offset.error());
@@ -171,7 +188,7 @@ int offsetModelToMesh(const cad::Model& model, const std::filesystem::path& in,
     all.largest = std::max(all.largest, offset->largest);
     all.stopped += offset->stopped;
   }
-  return finish(all, input, in, out, distance, tolerance, options);
+  return finish(all, input, in, out, distance, parametric, tolerance, options);
 }
 
 }  // namespace phront::cli

@@ -1,6 +1,7 @@
 // The front phi = d as a closed, labelled triangle mesh.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -11,21 +12,23 @@
 namespace phront {
 
 struct IsoSurfaceOptions {
-  double level = 0;                ///< d, signed; positive lies outside material
+  double level = 0;                              ///< d, signed; positive lies outside material
   std::optional<double> spacing = std::nullopt;  ///< grid spacing h; automatic: fine enough for
                                                  ///< |d| and the box
-  int threads = 0;                 ///< 0: all cores
+  /// The automatic spacing is no larger than this, model units: what chords may cut.
+  double largestSpacing = std::numeric_limits<double>::infinity();
+  int threads = 0;  ///< 0: all cores
 };
 
 /// phi = d. Closed 2-manifold for a closed input, oriented towards larger phi for d > 0 as well as
 /// d < 0 (outward of the grown or shrunk solid). Empty (no triangles) when no point has phi = d.
 struct IsoSurface {
-  TriMesh mesh;                       ///< faceOf: index into `labels` of each triangle
-  std::vector<Feature> labels;        ///< features of the input that occur, sorted
-  std::vector<Index> labelOfPoint;    ///< label (into `labels`) of each point's foot
-  double spacing = 0;                 ///< h that was used
-  double maxResidual = 0;             ///< measured max |phi - d| over the points
-  bool refined = false;               ///< cells thinner than h were met and resolved
+  TriMesh mesh;                     ///< faceOf: index into `labels` of each triangle
+  std::vector<Feature> labels;      ///< features of the input that occur, sorted
+  std::vector<Index> labelOfPoint;  ///< label (into `labels`) of each point's foot
+  double spacing = 0;               ///< h that was used
+  double maxResidual = 0;           ///< measured max |phi - d| over the points
+  bool refined = false;             ///< cells thinner than h were met and resolved
 };
 
 /// Extracts phi = d from tiles around the level, places points on creases where feet of different

@@ -29,8 +29,8 @@ constexpr std::int64_t kGrain = 128;
 // Automatic spacing in diagonals of the box: ordinary, and the finest that a small |d| may ask.
 constexpr double kOrdinarySpacing = 1.0 / 160;
 constexpr double kFinestSpacing = 1.0 / 400;
-// Nodes of one grid: 56 bytes each, and some 3 microseconds.
-constexpr std::int64_t kMaxNodes = 20'000'000;
+// Nodes of one grid: about 150 bytes each with their cells, and some 3 microseconds.
+constexpr std::int64_t kMaxNodes = 12'000'000;
 // Halvings for thin features: always, and as long as the next grid stays below kCheapNodes.
 constexpr int kHalvings = 3;
 constexpr int kCheapHalvings = 8;
@@ -52,6 +52,9 @@ double automaticSpacing(double level, double diagonal) {
 Result<void> check(const IsoSurfaceOptions& options) {
   if (!std::isfinite(options.level)) {
     return fail(ErrorCode::InvalidArgument, "the level of an iso-surface must be a finite number");
+  }
+  if (!(options.largestSpacing > 0)) {
+    return fail(ErrorCode::InvalidArgument, "the largest grid spacing must be positive");
   }
   if (options.spacing && !(std::isfinite(*options.spacing) && *options.spacing > 0)) {
     return fail(ErrorCode::InvalidArgument,
@@ -191,7 +194,8 @@ Result<IsoSurface> isoSurface(const SurfaceDistance& surface, const IsoSurfaceOp
   const double diagonal = surface.box().diagonal().norm();
   LevelGridOptions gridOptions;
   gridOptions.level = options.level;
-  gridOptions.spacing = options.spacing.value_or(automaticSpacing(options.level, diagonal));
+  gridOptions.spacing = options.spacing.value_or(
+      std::min(automaticSpacing(options.level, diagonal), options.largestSpacing));
   gridOptions.maxNodes = kMaxNodes;
   gridOptions.threads = options.threads;
   const double firstSpacing = gridOptions.spacing;
