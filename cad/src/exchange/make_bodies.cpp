@@ -23,7 +23,7 @@ namespace {
 
 // Above this share of the diagonal edges and vertices say little about where faces end.
 constexpr double kLargeTolerance = 1e-3;
-constexpr double kQuickLook = 0.1;  // margin of the quick box against the tight one
+constexpr double kQuickLook = 0.5;  // the quick box of poles is up to twice too large
 // Above this share the faces do not meet at all, whatever the file claims.
 constexpr double kAbsurdTolerance = 0.25;
 
