@@ -11,6 +11,7 @@
 
 #include "front/facet_collapse.h"
 #include "front/facet_mesh.h"
+#include "front/facet_tidy.h"
 
 namespace phront {
 
@@ -94,6 +95,7 @@ Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const Iso
     const auto collapsed = collapser.run(tolerance, progress.part(round == 0 ? 0.3 : 0.8, 0.9));
     if (!collapsed) return tl::unexpected<Error>(collapsed.error());
     FacetedSurface result = facet::mergePlanes(mesh, context, labels);
+    facet::tidyFacets(result, context.heightFloor);
     if (static_cast<std::size_t>(options.maxFacets) < result.polygons.size()) continue;
     facet::measureFacets(result, mesh, context);
     return result;

@@ -21,6 +21,8 @@ constexpr int kProjectionSteps = 4;
 constexpr double kLargestMove = 0.3;
 // Splitting round and round one point is a crease that splits cannot find, not a curved surface.
 constexpr std::size_t kMaxSpokes = 64;
+// A projected middle stays this part of its side away from the corners around.
+constexpr double kTooNear = 0.15;
 // A projected middle has landed when it misses phi = d by no more than this share of the tolerance.
 constexpr double kLanded = 0.1;
 
@@ -47,6 +49,16 @@ std::optional<Vec3> projectedMiddle(const WorkMesh& mesh, const Context& context
   if (!x.allFinite() || (x - middle).norm() > kLargestMove * side.length) return std::nullopt;
   if (measure(context, x, hint).deviation > kLanded * tolerance) return std::nullopt;
   return x;
+}
+
+/// True when x lies nearer than `distance` to a corner of the triangles: beside a crease middles of
+/// several sides land on one point, and coincident points are poison downstream.
+bool nearCorner(const WorkMesh& mesh, const std::vector<Index>& triangles, const Vec3& x,
+                double distance) {
+  for (const Index t : triangles)
+    for (int k = 0; k < 3; ++k)
+      if ((mesh.point(t, k) - x).norm() < distance) return true;
+  return false;
 }
 
 /// Replaces corner `from` of triangle t by p and lets a new triangle take the other half.
@@ -98,7 +110,7 @@ void refine(WorkMesh& mesh, const Context& context, double tolerance, double sho
     const Measured m = measure(context, middle, mesh.hint[both[0]]);
     if (m.deviation <= tolerance) continue;
     const auto x = projectedMiddle(mesh, context, side, m.triangle, tolerance);
-    if (!x) continue;
+    if (!x || nearCorner(mesh, both, *x, kTooNear * side.length)) continue;
     const Index p = mesh.pointCount();
     mesh.points.push_back(*x);
     mesh.around.emplace_back();
