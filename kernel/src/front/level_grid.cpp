@@ -25,6 +25,7 @@ constexpr std::int32_t kKeyOffset = 1 << 20;
 constexpr std::uint64_t kKeyMask = (1U << 21) - 1;
 constexpr std::uint64_t kEmptyKey = ~std::uint64_t{0};
 constexpr std::int64_t kGrain = 256;
+constexpr std::size_t kTellingBlocks = 100'000;
 // Largest number of cells along one axis: keys have 21 bits, half of them for the sign.
 constexpr double kMaxCellsPerAxis = 900'000;
 // Shifts of the grid in cells, irrational: planes of ordinary parts do not fall on grid planes.
@@ -182,11 +183,18 @@ class LevelGridBuilder {
         }
       }
       blocks = std::move(next);
-      // A band of blocks has about ten nodes of its own per block.
-      if (static_cast<std::int64_t>(blocks.size()) * 10 > options_.maxNodes * 8) return tooMany();
+      if (tooManyBlocks(size > 1 ? blocks.size() / 8 : blocks.size(), size)) return tooMany();
       if (!progress_.report(0.2 * (rootLevel_ - size + 1) / rootLevel_)) return cancelled();
     }
     return blocks;
+  }
+
+  /// Kept blocks of a size foretell the nodes: a surface has four times as many half as large, and
+  /// about ten nodes for each of the smallest. Few blocks foretell nothing.
+  [[nodiscard]] bool tooManyBlocks(std::size_t kept, int size) const {
+    if (kept < kTellingBlocks) return false;
+    const double nodes = 10 * std::ldexp(static_cast<double>(kept), 2 * (size - 1));
+    return nodes > 1.5 * static_cast<double>(options_.maxNodes);
   }
 
   [[nodiscard]] static tl::unexpected<Error> tooMany() {

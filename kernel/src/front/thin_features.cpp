@@ -101,7 +101,9 @@ Result<bool> hidesThinFeature(const SurfaceDistance& surface, const LevelGrid& g
                      ++i) {
                   const FootPoint foot = extracted->foot(proofs[i].point);
                   const bool inside = surface.signedDistance(proofs[i].point) < grid.level();
-                  missed[i] = inside != (foot.sign < 0) && foot.distance > kMissed * grid.spacing();
+                  // Slivers beside creases have no normal to trust: the winding number decides.
+                  missed[i] = foot.distance > kMissed * grid.spacing() &&
+                              inside != (extracted->windingNumber(proofs[i].point) > 0.5);
                 }
               });
   return std::ranges::find(missed, char{1}) != missed.end();
