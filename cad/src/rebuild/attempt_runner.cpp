@@ -30,6 +30,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kAttemptMemoryMiB = 3000;
+constexpr double kCheckSeconds = 30;
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -118,6 +119,7 @@ Trial runTrial(const Body& body, const OffsetOptions& options, const TrueDistanc
   CheckOptions checkOptions;
   checkOptions.distance = options.distance;
   checkOptions.tolerance = options.tolerance;
+  checkOptions.timeLimit = kCheckSeconds;
   const Result<CheckResult> check = checkOffset(in, out, checkOptions);
   if (!check) {
     say(check.error().message + "; " + counts);

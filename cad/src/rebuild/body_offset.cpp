@@ -33,8 +33,10 @@ constexpr double kCoarsestDeflection = 3e-4;
 constexpr double kFacetShareOfTolerance = 0.35;
 
 // What the facets of one body may take.
-constexpr double kFacetSeconds = 45;
+constexpr double kFacetSeconds = 30;
 constexpr double kFacetMemoryMiB = 4000;
+// What one measurement of its result may take.
+constexpr double kCheckSeconds = 30;
 
 class StageClock {
  public:
@@ -86,6 +88,7 @@ Result<CheckResult> checkBody(const Body& body, const std::vector<Body>& result,
   CheckOptions check;
   check.distance = options.distance;
   check.tolerance = options.tolerance;
+  check.timeLimit = kCheckSeconds;
   return checkOffset(in, out, check);
 }
 

@@ -84,6 +84,7 @@ Result<ModelDistance> ModelDistance::build(const std::vector<Body>& bodies,
     model.deflection_ = std::max(model.deflection_, deflection);
     model.area_ += phront::area(tessellation->mesh);
     model.hasSolids_ = model.hasSolids_ || body.kind == BodyKind::Solid;
+    model.box_.extend(phront::boundingBox(tessellation->mesh));
     const TopoDS_Shape& shape = occtShape(body.shape);
     auto distance = TrueDistance::build(shape, std::move(*tessellation));
     if (!distance) return tl::unexpected<Error>(distance.error());

@@ -69,6 +69,7 @@ class ModelDistance {
   [[nodiscard]] bool hasSolids() const { return hasSolids_; }
   [[nodiscard]] double area() const { return area_; }              ///< of the triangles, mm^2
   [[nodiscard]] double deflection() const { return deflection_; }  ///< measured, mm
+  [[nodiscard]] const Box3& box() const { return box_; }           ///< of the triangles
   [[nodiscard]] int faces() const { return faces_; }
   [[nodiscard]] int untessellatedFaces() const { return untessellated_; }
 
@@ -88,6 +89,7 @@ class ModelDistance {
   };
   std::vector<Part> parts_;
   bool hasSolids_ = false;
+  Box3 box_;
   double area_ = 0;
   double deflection_ = 0;
   int faces_ = 0;
