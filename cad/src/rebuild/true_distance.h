@@ -12,7 +12,7 @@ namespace phront::cad {
 /// The nearest triangles give starting points, Newton on the exact faces, curves and trim borders
 /// gives the distance: the tessellation error disappears (round-off, ~1e-9 of the diagonal) wherever
 /// the refinement converges to within the chordal error; else the triangles' distance stands.
-/// Queries are const but not thread safe (OpenCASCADE adaptors cache); make one per thread by clone().
+/// Queries are const but not thread safe (OpenCASCADE adaptors cache).
 class TrueDistance {
  public:
   /// `shape` is the shape the tessellation was made from.
