@@ -109,11 +109,11 @@ def run_case(args: argparse.Namespace, judge: Path, row: dict, percent: float) -
     written = out if out.exists() else rejected if rejected.exists() else None
     case["rejected"] = written == rejected and written is not None
     if written:
-        case["judge"] = judge_case(judge, part, str(written), distance, args.limit)
+        case["judge"] = judge_case(judge, part, str(written), distance, args.judge_limit)
     elif code == 0:
-        case["judge"] = judge_case(judge, part, "EMPTY", distance, args.limit)
+        case["judge"] = judge_case(judge, part, "EMPTY", distance, args.judge_limit)
     else:  # nothing to judge, but whether the part is a solid must be known
-        judged = judge_case(judge, part, "EMPTY", distance, args.limit)
+        judged = judge_case(judge, part, "EMPTY", distance, args.judge_limit)
         case["judge"] = judged | {"pass": False, "reasons": ["no file"]}
     return case
 
@@ -207,6 +207,7 @@ def main() -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1)
     parser.add_argument("--threads", type=int, default=1, help="of each phront")
     parser.add_argument("--limit", type=float, default=120, help="seconds a case")
+    parser.add_argument("--judge-limit", type=float, default=300, help="seconds a verdict")
     parser.add_argument("--again", action="store_true", help="run cases that are there already")
     parser.add_argument("--summary", action="store_true", help="only print the table")
     args = parser.parse_args()

@@ -77,8 +77,9 @@ bool volumeAgrees(double volume, const FrontReference& reference, double distanc
   return std::abs(volume - reference.volume) <= allowed;
 }
 
-Trial runTrial(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-               const std::optional<FrontReference>& reference, const AttemptSetting& setting) {
+Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& options,
+               const TrueDistance& phi, const std::optional<FrontReference>& reference,
+               const AttemptSetting& setting) {
   const Clock::time_point start = Clock::now();
   Trial trial;
   const auto say = [&](const std::string& outcome) {
@@ -89,7 +90,7 @@ Trial runTrial(const Body& body, const OffsetOptions& options, const TrueDistanc
       runInChild("offset by exact patches", {setting.timeLimit, kAttemptMemoryMiB},
                  [&]() -> Result<std::string> {
                    Result<AttemptResult> attempt =
-                       tryExactOffset(occtShape(body.shape), solid, options.distance, phi, setting);
+                       tryExactOffset(occtShape(healed.shape), solid, options.distance, phi, setting);
                    if (!attempt) return tl::unexpected(attempt.error());
                    return packAttempt(*attempt);
                  });
@@ -150,8 +151,9 @@ std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::
   return bodies;
 }
 
-AttemptLog runAttempts(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-                       const std::optional<FrontReference>& reference, const Progress& progress) {
+AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions& options,
+                       const TrueDistance& phi, const std::optional<FrontReference>& reference,
+                       const Progress& progress) {
   const Clock::time_point start = Clock::now();
   const std::vector<AttemptSetting> settings = attemptSettings();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
@@ -168,7 +170,7 @@ AttemptLog runAttempts(const Body& body, const OffsetOptions& options, const Tru
       runners.emplace_back([&, i] {
         AttemptSetting setting = settings[first + i];
         setting.timeLimit = std::min(setting.timeLimit, left);
-        trials[i] = runTrial(body, options, phi, reference, setting);
+        trials[i] = runTrial(body, healed, options, phi, reference, setting);
       });
     }
     for (std::thread& runner : runners) runner.join();

@@ -7,27 +7,30 @@ namespace phront::cad {
 
 std::vector<AttemptSetting> attemptSettings() {
   std::vector<AttemptSetting> settings;
-  settings.push_back({.name = "quick",
+  settings.push_back({.name = "plain",
                       .smoothTolerance = 0.01,
                       .dropDeadPatches = true,
-                      .setAside = true,
-                      .timeLimit = 10});
-  settings.push_back(
-      {.name = "plain", .smoothTolerance = 0.01, .dropDeadPatches = true, .timeLimit = 15});
+                      .thinPairs = true,
+                      .timeLimit = 35});
   settings.push_back({.name = "fine",
                       .fuzzy = 1e-5,
                       .smoothTolerance = 1e-3,
                       .sewTolerance = 1e-5,
                       .dropDeadPatches = true,
-                      .timeLimit = 15});
-  settings.push_back({.name = "canonical",
+                      .thinPairs = true,
+                      .timeLimit = 25});
+  settings.push_back({.name = "unified",
                       .fuzzy = 1e-6,
                       .smoothTolerance = 1e-3,
                       .sewTolerance = 1e-5,
-                      .canonical = true,
                       .unifyInput = true,
                       .dropDeadPatches = true,
-                      .timeLimit = 20});
+                      .thinPairs = true,
+                      .timeLimit = 25});
+  settings.push_back({.name = "all pairs",
+                      .smoothTolerance = 0.01,
+                      .dropDeadPatches = true,
+                      .timeLimit = 25});
   return settings;
 }
 

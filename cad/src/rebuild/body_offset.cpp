@@ -8,12 +8,14 @@
 
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
+#include "heal/heal.h"
 #include "phront/cad/shape_occt.h"
 #include "phront/cad/tessellate.h"
 #include "phront/facet.h"
 #include "phront/iso_surface.h"
 #include "rebuild/attempt_runner.h"
 #include "rebuild/facet_solid.h"
+#include "rebuild/patch_tools.h"
 #include "rebuild/true_distance.h"
 
 namespace phront::cad {
@@ -32,6 +34,12 @@ constexpr double kCoarsestDeflection = 3e-4;
 // percentile; this bounds the bulk.
 constexpr double kFacetShareOfTolerance = 0.35;
 
+// How far a recognised plane, cylinder, ... may lie from the freeform face it stands for: of the
+// diagonal, and of |d|, so that it spends little of the tolerance.
+constexpr double kRecognitionOfDiagonal = 2e-6;
+constexpr double kRecognitionOfDistance = 1e-3;
+constexpr double kRecognitionSeconds = 10;
+constexpr double kRecognitionMemoryMiB = 2000;
 // What the facets of one body may take.
 constexpr double kFacetSeconds = 30;
 constexpr double kFacetMemoryMiB = 4000;
@@ -60,11 +68,39 @@ double deflectionFor(double distance, double diagonal) {
 Result<TrueDistance> prepareDistance(const Body& body, double distance) {
   TessellateOptions tessellation;
   tessellation.distance = std::abs(distance);
-  tessellation.deflection = deflectionFor(distance, boundingBox(body.shape).diagonal().norm());
+  tessellation.deflection = deflectionFor(distance, diagonalOf(occtShape(body.shape)));
   tessellation.smoothTolerance = tessellation.deflection;
   Result<Tessellation> mesh = tessellate(body, tessellation);
   if (!mesh) return tl::unexpected(mesh.error());
   return TrueDistance::build(occtShape(body.shape), std::move(*mesh));
+}
+
+/// The body with elementary surfaces where it has freeform ones that are the same: what the offset
+/// is made from. It is judged against the body as read.
+Body withElementarySurfaces(const Body& body, double distance, std::vector<std::string>& log) {
+  const double tolerance =
+      std::min(kRecognitionOfDiagonal * diagonalOf(occtShape(body.shape)),
+               kRecognitionOfDistance * std::abs(distance));
+  const Result<std::string> bytes = runInChild(
+      "recognising surfaces", {kRecognitionSeconds, kRecognitionMemoryMiB},
+      [&]() -> Result<std::string> {
+        const HealedShape healed = makeElementary(occtShape(body.shape), tolerance);
+        if (healed.notes.empty()) return std::string();
+        return healed.notes.front() + "\n" + bytesOfShape(healed.shape);
+      });
+  if (!bytes) {
+    log.push_back(bytes.error().message);
+    return body;
+  }
+  if (bytes->empty()) return body;
+  const std::size_t end = bytes->find('\n');
+  const Result<TopoDS_Shape> shape = shapeOfBytes(std::string_view(*bytes).substr(end + 1));
+  if (!shape) return body;
+  log.push_back(bytes->substr(0, end));
+  Body healed = body;
+  healed.shape = makeShape(*shape);
+  healed.faceNames.clear();
+  return healed;
 }
 
 std::vector<std::optional<Plane>> planesOf(const FeatureTable& features) {
@@ -159,7 +195,9 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
 
   if (!progress.part(0, 0.1, "tessellate").report(0))
     return fail(ErrorCode::Cancelled, "the offset was cancelled");
-  Result<TrueDistance> phi = prepareDistance(body, options.distance);
+  const Body healed = withElementarySurfaces(body, options.distance, report.attempts);
+  clock.lap("heal");
+  Result<TrueDistance> phi = prepareDistance(healed, options.distance);
   if (!phi) return tl::unexpected(phi.error());
   clock.lap("tessellate");
 
@@ -196,7 +234,7 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
   }
 
   AttemptLog log =
-      runAttempts(body, options, *phi, reference, progress.part(0.3, 0.8, "exact patches"));
+      runAttempts(body, healed, options, *phi, reference, progress.part(0.3, 0.8, "exact patches"));
   clock.lap("exact patches");
   report.attempts.insert(report.attempts.end(), log.lines.begin(), log.lines.end());
   if (log.accepted) {

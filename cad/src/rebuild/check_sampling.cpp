@@ -19,6 +19,9 @@ namespace {
 
 // Chordal errors are measured on samples; the true maximum may be somewhat larger.
 constexpr double kDeflectionSlack = 4;
+// Triangles that deviate less than this share of the deflection asked for are planes: as good as
+// exact.
+constexpr double kPlanarShare = 1e-4;
 
 double triangleArea(const TriMesh& mesh, std::size_t t) {
   const auto& c = mesh.triangles[t];
@@ -88,8 +91,9 @@ Result<ModelDistance> ModelDistance::build(const std::vector<Body>& bodies,
     const TopoDS_Shape& shape = occtShape(body.shape);
     auto distance = TrueDistance::build(shape, std::move(*tessellation));
     if (!distance) return tl::unexpected<Error>(distance.error());
-    model.parts_.push_back(Part{shape, body.kind == BodyKind::Solid, std::move(*distance),
-                                kDeflectionSlack * std::max(deflection, options.deflection)});
+    model.parts_.push_back(
+        Part{shape, body.kind == BodyKind::Solid, deflection <= kPlanarShare * options.deflection,
+             std::move(*distance), kDeflectionSlack * std::max(deflection, options.deflection)});
   }
   if (model.parts_.empty() || !(model.area_ > 0)) {
     return fail(ErrorCode::Failed, what + " has no face that can be tessellated");
@@ -101,6 +105,11 @@ double ModelDistance::distance(const Vec3& x) const {
   double best = std::numeric_limits<double>::infinity();
   for (const Part& part : parts_) {
     const SurfaceDistance& surface = part.distance.surface();
+    if (part.planar) {
+      const FootPoint foot = surface.foot(x, best);
+      if (foot.triangle != kNone) best = std::min(best, foot.distance);
+      continue;
+    }
     if (parts_.size() > 1) {
       if (surface.box().exteriorDistance(x) - part.slack >= best) continue;
       if (surface.foot(x, best + part.slack).triangle == kNone) continue;

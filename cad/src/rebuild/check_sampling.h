@@ -84,6 +84,7 @@ class ModelDistance {
   struct Part {
     TopoDS_Shape shape;
     bool solid = false;
+    bool planar = false;  ///< the triangles are the exact shape
     TrueDistance distance;
     double slack = 0;  ///< how far the exact shape may lie outside the box of its triangles, mm
   };

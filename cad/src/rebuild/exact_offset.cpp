@@ -6,11 +6,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
+#include "heal/heal.h"
 #include "rebuild/assemble.h"
 #include "rebuild/fuse.h"
-#include "rebuild/heal.h"
+#include "rebuild/living_cells.h"
 #include "rebuild/patch_tools.h"
 #include "rebuild/raw_complex.h"
 #include "rebuild/select.h"
@@ -22,8 +24,6 @@ namespace {
 /// good to a tenth of it.
 constexpr double kLevelTolerance = 1e-5;
 constexpr double kApproximation = 1e-6;
-/// Of the diagonal: deeper than the distance's own error, shallower than a crossing that matters.
-constexpr double kLiveTolerance = 1e-7;
 
 }  // namespace
 
@@ -35,8 +35,7 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   AttemptResult result;
   const double diagonal = diagonalOf(body);
   HealedShape healed = heal(
-      body,
-      {.tolerance = 1e-5 * diagonal, .canonical = setting.canonical, .unify = setting.unifyInput});
+      body, {.tolerance = 1e-5 * diagonal, .unify = setting.unifyInput});
   result.notes = std::move(healed.notes);
 
   RawComplex raw = buildRawComplex(healed.shape, {.distance = distance,
@@ -56,19 +55,14 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     if (count > 0) result.notes.push_back(fmt::format("{} patches proven dead", count));
   }
 
-  std::vector<TopoDS_Face> settled;
-  if (setting.setAside) {
-    const auto crossed = [&](const TopoDS_Face& f) {
-      return !liveAllOver(f, distance, kLiveTolerance * diagonal, phi);
-    };
-    const auto middle = std::stable_partition(raw.faces.begin(), raw.faces.end(), crossed);
-    settled.assign(middle, raw.faces.end());
-    raw.faces.erase(middle, raw.faces.end());
-    result.notes.push_back(fmt::format("{} patches live all over", settled.size()));
+  MayCross mayCross;
+  std::optional<LivingCells> cells;
+  if (setting.thinPairs) {
+    cells.emplace(raw.faces, distance, levelTolerance, phi);
+    mayCross = [&](std::size_t i, std::size_t j) { return cells->mayCross(i, j); };
   }
-
   const Result<std::vector<TopoDS_Face>> split =
-      splitFaces(raw.faces, settled, setting.fuzzy * diagonal);
+      splitFaces(raw.faces, setting.fuzzy * diagonal, mayCross);
   if (!split) return tl::unexpected<Error>(split.error());
   result.splitFaces = static_cast<int>(split->size());
 

@@ -16,10 +16,9 @@ struct AttemptSetting {
   double fuzzy = 0;              ///< of the diagonal, General Fuse
   double smoothTolerance = 0;    ///< of |d|: an edge with dihedral angle below is smooth
   double sewTolerance = 0;       ///< of the diagonal; 0: kept faces are not sewn
-  bool canonical = false;        ///< extrusions and revolutions become planes, cylinders, ...
   bool unifyInput = false;       ///< merge split faces of the input first
   bool dropDeadPatches = false;  ///< drop patches that no label of the iso-surface names
-  bool setAside = false;         ///< patches that are on the offset all over are not intersected
+  bool thinPairs = false;        ///< patches that cannot cross on the offset are not intersected
   double timeLimit = 15;         ///< s
 };
 

@@ -1,115 +1,165 @@
-// BOPAlgo_Builder intersects every pair of faces, merges coinciding vertices and edges and cuts the
-// faces along all of it. A patch that is on the offset all over is crossed by nothing: whatever
-// crossed it would come nearer to the input than |d| on one side and be farther on the other, and
-// no patch is farther. Such patches can be set aside, which saves most of the time on convex parts.
-// Weak spots: it never intersects a face with itself; on some freeform pairs
-// it takes for ever, so callers limit its time; it refuses a single argument.
+// BOPAlgo_Builder intersects every pair of faces whose boxes meet, merges coinciding vertices and
+// edges and cuts the faces along all of it. Most of those pairs need no intersection, and a few of
+// them (tangent neighbours, freeform pairs that only meet where both are dead) take most of the
+// time, some for ever. The filler's list of pairs is therefore thinned out before it starts: face
+// pairs that cannot cross go, and with them the edge pairs that only they would have asked for.
+// Weak spots: it never intersects a face with itself; callers limit its time; it refuses a single
+// argument.
 #include "rebuild/fuse.h"
 
 #include <BOPAlgo_Builder.hxx>
-#include <BRepTools_ReShape.hxx>
-#include <BRep_Builder.hxx>
-#include <BRep_Tool.hxx>
-#include <ShapeFix_Edge.hxx>
+#include <BOPAlgo_PaveFiller.hxx>
+#include <BOPDS_DS.hxx>
+#include <BOPDS_Iterator.hxx>
+#include <BOPDS_Tools.hxx>
+#include <TColStd_MapOfInteger.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <TopTools_MapOfShape.hxx>
 #include <TopoDS.hxx>
-#include <TopoDS_Compound.hxx>
-#include <TopoDS_Edge.hxx>
+#include <algorithm>
+#include <map>
+#include <utility>
 
 namespace phront::cad {
 namespace {
 
-/// Edges and vertices that the fuse replaced, in the settled faces too. Merged edges may come from
-/// another face and lack a parameter curve on this one.
-std::vector<TopoDS_Face> withReplacedEdges(const std::vector<TopoDS_Face>& settled,
-                                           BOPAlgo_Builder& fuse) {
-  const Handle(BRepTools_ReShape) reshape = new BRepTools_ReShape;
-  TopTools_IndexedMapOfShape parts;
-  for (const TopoDS_Face& face : settled) {
-    TopExp::MapShapes(face, TopAbs_VERTEX, parts);
-    TopExp::MapShapes(face, TopAbs_EDGE, parts);
-  }
-  for (int i = 1; i <= parts.Extent(); ++i) {
-    const TopTools_ListOfShape& images = fuse.Modified(parts(i));
-    if (images.IsEmpty()) continue;
-    if (images.Extent() == 1) {
-      reshape->Replace(parts(i), images.First());
-      continue;
-    }
-    const BRep_Builder builder;
-    TopoDS_Compound pieces;
-    builder.MakeCompound(pieces);
-    for (const TopoDS_Shape& image : images) builder.Add(pieces, image);
-    reshape->Replace(parts(i), pieces);
-  }
-  std::vector<TopoDS_Face> result;
-  for (const TopoDS_Face& face : settled) {
-    const TopoDS_Face renewed = TopoDS::Face(reshape->Apply(face));
-    ShapeFix_Edge fix;
-    for (TopExp_Explorer it(renewed, TopAbs_EDGE); it.More(); it.Next()) {
-      const TopoDS_Edge edge = TopoDS::Edge(it.Current());
-      double first = 0;
-      double last = 0;
-      if (BRep_Tool::CurveOnSurface(edge, renewed, first, last).IsNull()) {
-        fix.FixAddPCurve(edge, renewed, Standard_False);
+/// Answers for edges by the faces that use them.
+class PairFilter {
+ public:
+  PairFilter(const std::vector<TopoDS_Face>& faces, const MayCross& mayCross)
+      : mayCross_(mayCross), faces_(faces) {}
+
+  void index(const BOPDS_DS& ds) {
+    TopTools_IndexedMapOfShape known;
+    for (const TopoDS_Face& face : faces_) known.Add(face);
+    owners_.resize(static_cast<std::size_t>(ds.NbSourceShapes()));
+    for (int i = 0; i < ds.NbSourceShapes(); ++i) {
+      if (ds.Shape(i).ShapeType() != TopAbs_FACE) continue;
+      const int patch = known.FindIndex(ds.Shape(i)) - 1;
+      owners_[static_cast<std::size_t>(i)].push_back(patch);
+      for (TopExp_Explorer it(ds.Shape(i), TopAbs_EDGE); it.More(); it.Next()) {
+        const int e = ds.Index(it.Current());
+        if (e >= 0) owners_[static_cast<std::size_t>(e)].push_back(patch);
       }
     }
-    result.push_back(renewed);
   }
-  return result;
-}
+
+  /// Some owner of one must be intersected with some owner of the other.
+  bool wanted(int first, int second) {
+    for (const int a : owners_[static_cast<std::size_t>(first)]) {
+      for (const int b : owners_[static_cast<std::size_t>(second)]) {
+        if (a == b || a < 0 || b < 0 || cross(std::min(a, b), std::max(a, b))) return true;
+      }
+    }
+    return false;
+  }
+
+ private:
+  bool cross(int a, int b) {
+    const auto [it, isNew] = answers_.try_emplace({a, b}, false);
+    if (isNew) it->second = mayCross_(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+    return it->second;
+  }
+
+  const MayCross& mayCross_;
+  const std::vector<TopoDS_Face>& faces_;
+  std::vector<std::vector<int>> owners_;  ///< patches that are or use a shape, by index in the DS
+  std::map<std::pair<int, int>, bool> answers_;
+};
+
+class ThinnedIterator : public BOPDS_Iterator {
+ public:
+  explicit ThinnedIterator(PairFilter& filter) : filter_(filter) {}
+
+ protected:
+  void Intersect(const Handle(IntTools_Context) & context, const Standard_Boolean checkBoxes,
+                 const Standard_Real fuzzy) override {
+    BOPDS_Iterator::Intersect(context, checkBoxes, fuzzy);
+    filter_.index(*myDS);
+    const int faceFace = BOPDS_Tools::TypeToInteger(TopAbs_FACE, TopAbs_FACE);
+    const int edgeFace = BOPDS_Tools::TypeToInteger(TopAbs_EDGE, TopAbs_FACE);
+    const int edgeEdge = BOPDS_Tools::TypeToInteger(TopAbs_EDGE, TopAbs_EDGE);
+    for (const int type : {faceFace, edgeFace, edgeEdge}) {
+      BOPDS_VectorOfPair& pairs = myLists(type);
+      std::vector<BOPDS_Pair> kept;
+      for (const BOPDS_Pair& pair : pairs) {
+        int first = 0;
+        int second = 0;
+        pair.Indices(first, second);
+        if (filter_.wanted(first, second)) kept.push_back(pair);
+      }
+      pairs.Clear();
+      for (const BOPDS_Pair& pair : kept) pairs.Append(pair);
+    }
+  }
+
+ private:
+  PairFilter& filter_;
+};
+
+class ThinnedFiller : public BOPAlgo_PaveFiller {
+ public:
+  explicit ThinnedFiller(PairFilter& filter) : filter_(filter) {}
+
+ protected:
+  void Init(const Message_ProgressRange& range) override {
+    BOPAlgo_PaveFiller::Init(range);
+    if (HasErrors() || myIterator == nullptr) return;
+    auto* thinned = new ThinnedIterator(filter_);
+    thinned->SetDS(myDS);
+    thinned->SetRunParallel(Standard_False);
+    thinned->Prepare(myContext, myUseOBB, myFuzzyValue);
+    delete myIterator;
+    myIterator = thinned;  // the base deletes it
+  }
+
+  /// Faces in no pair are not looked at again, even where an edge of theirs is merged or cut.
+  void PerformFF(const Message_ProgressRange& range) override {
+    TColStd_MapOfInteger faces;
+    for (int i = 0; i < myDS->NbSourceShapes(); ++i) {
+      if (myDS->Shape(i).ShapeType() == TopAbs_FACE) faces.Add(i);
+    }
+    myDS->UpdateFaceInfoOn(faces);
+    myDS->UpdateFaceInfoIn(faces);
+    BOPAlgo_PaveFiller::PerformFF(range);
+  }
+
+ private:
+  PairFilter& filter_;
+};
 
 }  // namespace
 
-Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces, double fuzzy) {
-  return splitFaces(faces, {}, fuzzy);
-}
-
-Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces,
-                                            const std::vector<TopoDS_Face>& settled, double fuzzy) {
+Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces, double fuzzy,
+                                            const MayCross& mayCross) {
+  if (faces.size() < 2) return faces;
   TopTools_ListOfShape arguments;
-  TopTools_IndexedMapOfShape taken;
-  for (const TopoDS_Face& face : faces) {
-    arguments.Append(face);
-    TopExp::MapShapes(face, TopAbs_EDGE, taken);
-  }
-  if (!faces.empty()) {
-    for (const TopoDS_Face& face : settled) {
-      for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
-        if (taken.Contains(it.Current()) || BRep_Tool::Degenerated(TopoDS::Edge(it.Current()))) {
-          continue;
-        }
-        taken.Add(it.Current());
-        arguments.Append(it.Current());
-      }
-    }
-  }
-  if (arguments.Extent() < 2) {
-    std::vector<TopoDS_Face> all = faces;
-    all.insert(all.end(), settled.begin(), settled.end());
-    return all;
-  }
+  for (const TopoDS_Face& face : faces) arguments.Append(face);
+
+  const MayCross always = [](std::size_t, std::size_t) { return true; };
+  PairFilter filter(faces, mayCross ? mayCross : always);
+  ThinnedFiller filler(filter);
+  filler.SetArguments(arguments);
+  filler.SetNonDestructive(Standard_True);
+  filler.SetRunParallel(Standard_False);
+  if (fuzzy > 0) filler.SetFuzzyValue(fuzzy);
+  filler.Perform();
+  if (filler.HasErrors()) return fail(ErrorCode::Failed, "the patches could not be intersected");
+
   BOPAlgo_Builder builder;
   builder.SetArguments(arguments);
   builder.SetNonDestructive(Standard_True);
-  builder.SetRunParallel(Standard_False);
-  if (fuzzy > 0) builder.SetFuzzyValue(fuzzy);
-  builder.Perform();
+  builder.PerformWithFiller(filler);
   if (builder.HasErrors()) {
-    return fail(ErrorCode::Failed, "the patches could not be intersected");
+    return fail(ErrorCode::Failed, "the patches could not be cut along their intersections");
   }
   std::vector<TopoDS_Face> split;
   TopTools_MapOfShape seen;
   for (TopExp_Explorer it(builder.Shape(), TopAbs_FACE); it.More(); it.Next()) {
     if (seen.Add(it.Current())) split.push_back(TopoDS::Face(it.Current()));
-  }
-  if (!settled.empty()) {
-    const std::vector<TopoDS_Face> renewed = withReplacedEdges(settled, builder);
-    split.insert(split.end(), renewed.begin(), renewed.end());
   }
   return split;
 }

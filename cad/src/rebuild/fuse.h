@@ -2,21 +2,20 @@
 #pragma once
 
 #include <TopoDS_Face.hxx>
+#include <functional>
 #include <vector>
 
 #include "phront/status.h"
 
 namespace phront::cad {
 
-/// Splits the faces where they cross. `fuzzy` mm, added to the tolerances; 0: none.
-[[nodiscard]] Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces,
-                                                          double fuzzy);
+/// True when faces i and j of the list must be intersected with one another.
+using MayCross = std::function<bool(std::size_t, std::size_t)>;
 
-/// The same, with `settled` faces that nothing crosses set aside: only their edges take part, and
-/// they come back, after the pieces of `faces`, with their edges replaced where those were cut or
-/// merged.
+/// Splits the faces where they cross. `fuzzy` mm, added to the tolerances; 0: none. `mayCross`
+/// empty: every pair whose boxes meet is intersected.
 [[nodiscard]] Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces,
-                                                          const std::vector<TopoDS_Face>& settled,
-                                                          double fuzzy);
+                                                          double fuzzy,
+                                                          const MayCross& mayCross = {});
 
 }  // namespace phront::cad

@@ -46,7 +46,20 @@ std::optional<gp_Vec> rawNormal(const BRepAdaptor_Surface& surface, double u, do
   return n.Normalized();
 }
 
-Handle(Geom2d_Curve) segment(const gp_Pnt2d& a, const gp_Pnt2d& b, double first, double last) {
+double signedArea(const std::vector<PatchSide>& sides, const std::vector<bool>& reversed) {
+  double twice = 0;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const gp_Pnt2d& a = reversed[i] ? sides[i].last : sides[i].first;
+    const gp_Pnt2d& b = reversed[i] ? sides[i].first : sides[i].last;
+    twice += a.X() * b.Y() - a.Y() * b.X();
+  }
+  return twice / 2;
+}
+
+}  // namespace
+
+Handle(Geom2d_Curve) straightPcurve(const gp_Pnt2d& a, const gp_Pnt2d& b, double first,
+                                    double last) {
   const double length = a.Distance(b);
   if (std::abs(length - (last - first)) <= 1e-12 * std::max(1.0, length) && length > 0) {
     const gp_Dir2d direction(b.X() - a.X(), b.Y() - a.Y());
@@ -64,18 +77,6 @@ Handle(Geom2d_Curve) segment(const gp_Pnt2d& a, const gp_Pnt2d& b, double first,
   multiplicities(2) = 2;
   return new Geom2d_BSplineCurve(poles, knots, multiplicities, 1);
 }
-
-double signedArea(const std::vector<PatchSide>& sides, const std::vector<bool>& reversed) {
-  double twice = 0;
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    const gp_Pnt2d& a = reversed[i] ? sides[i].last : sides[i].first;
-    const gp_Pnt2d& b = reversed[i] ? sides[i].first : sides[i].last;
-    twice += a.X() * b.Y() - a.Y() * b.X();
-  }
-  return twice / 2;
-}
-
-}  // namespace
 
 std::optional<gp_Vec> outwardNormal(const TopoDS_Face& face, const gp_Pnt2d& uv) {
   const BRepAdaptor_Surface surface(face, Standard_False);
@@ -141,6 +142,35 @@ double raiseTolerance(const TopoDS_Edge& edge, const TopoDS_Face& face) {
     builder.UpdateVertex(TopoDS::Vertex(it.Value()), tolerance);
   }
   return worst;
+}
+
+void settleTolerances(const std::vector<TopoDS_Face>& faces) {
+  const BRep_Builder builder;
+  for (const TopoDS_Face& face : faces) {
+    const BRepAdaptor_Surface surface(face, Standard_False);
+    for (const TopoDS_Edge& use : edgesOf(face)) {
+      const TopoDS_Edge edge = TopoDS::Edge(use.Oriented(TopAbs_FORWARD));
+      if (BRep_Tool::Degenerated(edge)) continue;
+      raiseTolerance(edge, face);
+      TopoDS_Vertex ends[2];
+      TopExp::Vertices(edge, ends[0], ends[1]);
+      double range3d[2];
+      double range2d[2];
+      const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, range3d[0], range3d[1]);
+      const Handle(Geom2d_Curve) pcurve =
+          BRep_Tool::CurveOnSurface(edge, face, range2d[0], range2d[1]);
+      for (int k = 0; k < 2; ++k) {
+        if (ends[k].IsNull()) continue;
+        const gp_Pnt vertex = BRep_Tool::Pnt(ends[k]);
+        double gap = curve.IsNull() ? 0 : vertex.Distance(curve->Value(range3d[k]));
+        if (!pcurve.IsNull()) {
+          const gp_Pnt2d uv = pcurve->Value(range2d[k]);
+          gap = std::max(gap, vertex.Distance(surface.Value(uv.X(), uv.Y())));
+        }
+        builder.UpdateVertex(ends[k], std::max(1.01 * gap, Precision::Confusion()));
+      }
+    }
+  }
 }
 
 TopoDS_Vertex PointPool::at(const gp_Pnt& point, double tolerance) {
@@ -232,7 +262,7 @@ TopoDS_Face faceFromSides(const Handle(Geom_Surface) & surface, const std::vecto
     } else {
       BRep_Tool::Range(edge, first, last);
     }
-    builder.UpdateEdge(edge, segment(side.first, side.last, first, last), face, tolerance);
+    builder.UpdateEdge(edge, straightPcurve(side.first, side.last, first, last), face, tolerance);
     builder.Range(edge, face, first, last);
     if (side.degenerated)
       builder.Range(edge, first, last);

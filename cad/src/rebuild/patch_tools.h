@@ -39,6 +39,15 @@ inline constexpr double kAngularTolerance = 1e-6;
 /// its vertices' tolerances are raised to it.
 double raiseTolerance(const TopoDS_Edge& edge, const TopoDS_Face& face);
 
+/// Measures every edge against its faces and every vertex against its edges and faces, and raises
+/// their tolerances to it. For faces built one by one on shared edges: a later one may have changed
+/// what an earlier one was measured with.
+void settleTolerances(const std::vector<TopoDS_Face>& faces);
+
+/// Straight line from a to b in (u,v) over the parameters [first, last].
+[[nodiscard]] Handle(Geom2d_Curve) straightPcurve(const gp_Pnt2d& a, const gp_Pnt2d& b,
+                                                  double first, double last);
+
 /// Vertices found by place: apices shared by the patches that end there.
 class PointPool {
  public:

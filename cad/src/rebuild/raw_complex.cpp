@@ -46,6 +46,7 @@ class Builder {
     }
     const std::vector<std::vector<int>> edgesAt = edgesAtVertices(table_);
     for (std::size_t v = 0; v < edgesAt.size(); ++v) addSphere(static_cast<int>(v), edgesAt[v]);
+    settleTolerances(raw_.faces);
     if (table_.nonManifold > 0) {
       raw_.notes.push_back(std::to_string(table_.nonManifold) +
                            " edges with more than two faces got no pipe");

@@ -8,16 +8,11 @@
 #include "rebuild/select.h"
 
 #include <BOPTools_AlgoTools3D.hxx>
-#include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepTools.hxx>
-#include <BRepTopAdaptor_FClass2d.hxx>
-#include <BRep_Tool.hxx>
 #include <Geom2d_Line.hxx>
 #include <IntTools_Context.hxx>
-#include <Precision.hxx>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "rebuild/patch_tools.h"
@@ -26,8 +21,6 @@ namespace phront::cad {
 namespace {
 
 constexpr int kMaxSamples = 5;
-/// Samples per direction and per edge for "live all over".
-constexpr int kLiveGrid = 12;
 /// Queries spent on proving one patch dead.
 constexpr int kMaxQueries = 160;
 
@@ -100,37 +93,6 @@ std::vector<JudgedFace> judgeFaces(const std::vector<TopoDS_Face>& faces, bool s
     judged.push_back(std::move(j));
   }
   return judged;
-}
-
-bool liveAllOver(const TopoDS_Face& face, double distance, double tolerance,
-                 const TrueDistance& phi) {
-  const auto live = [&](const gp_Pnt& p) {
-    return std::abs(phi.signedDistance(toVec(p)) - distance) <= tolerance;
-  };
-  for (const TopoDS_Edge& edge : edgesOf(face)) {
-    if (BRep_Tool::Degenerated(edge)) continue;
-    const BRepAdaptor_Curve curve(edge);
-    const double t0 = curve.FirstParameter();
-    const double t1 = curve.LastParameter();
-    for (int i = 0; i <= kLiveGrid; ++i) {
-      if (!live(curve.Value(t0 + (t1 - t0) * i / kLiveGrid))) return false;
-    }
-  }
-  const BRepAdaptor_Surface surface(face, Standard_False);
-  const BRepTopAdaptor_FClass2d domain(face, Precision::PConfusion());
-  double u0 = 0;
-  double u1 = 0;
-  double v0 = 0;
-  double v1 = 0;
-  BRepTools::UVBounds(face, u0, u1, v0, v1);
-  for (int i = 0; i < kLiveGrid; ++i) {
-    for (int j = 0; j < kLiveGrid; ++j) {
-      const gp_Pnt2d uv(u0 + (i + 0.5) / kLiveGrid * (u1 - u0),
-                        v0 + (j + 0.5) / kLiveGrid * (v1 - v0));
-      if (domain.Perform(uv) == TopAbs_IN && !live(surface.Value(uv.X(), uv.Y()))) return false;
-    }
-  }
-  return true;
 }
 
 bool facesOutward(const FaceSample& sample, const gp_Vec& normal, double step,

@@ -37,10 +37,6 @@ struct JudgedFace {
 [[nodiscard]] bool provenDead(const TopoDS_Face& face, double distance, double tolerance,
                               const TrueDistance& phi);
 
-/// True when all samples of the patch, inside and along its edges, have |phi - d| <= tolerance.
-[[nodiscard]] bool liveAllOver(const TopoDS_Face& face, double distance, double tolerance,
-                               const TrueDistance& phi);
-
 /// True when phi grows along `normal` at the sample.
 [[nodiscard]] bool facesOutward(const FaceSample& sample, const gp_Vec& normal, double step,
                                 const TrueDistance& phi);

@@ -1,5 +1,5 @@
 // Facetting of phi = d: refine where the iso-surface is coarse, put plane regions into their
-// planes, collapse within the tolerance, merge planes into polygons, measure.
+// planes, collapse within the tolerance, let points float, merge planes into polygons, measure.
 //
 // Each stage keeps the surface closed, so whatever the deviation, the result bounds a solid. When
 // the facets are too many the tolerance grows until they are not; the measured deviation tells.
@@ -30,6 +30,9 @@ constexpr Index kMaxAdded = 150'000;
 // Sides shorter than this share of the grid spacing are not split: three halvings take a chord's
 // deviation down to 1/64, what is left then is a missed crease.
 constexpr double kShortestOfSpacing = 0.12;
+// The collapse may use this multiple of the tolerance: floating points then halve the deviation on
+// curved surfaces.
+constexpr double kCollapseShare = 1.6;
 constexpr double kToleranceStep = 1.5;
 constexpr int kMaxRounds = 24;  // 1.5^24 = 17 000 times the tolerance
 
@@ -62,6 +65,15 @@ Result<void> validate(const SurfaceDistance& surface, const IsoSurface& iso, dou
   return {};
 }
 
+/// Triangles outside planes: facets for certain, a lower bound of all.
+Index countFacets(const facet::WorkMesh& mesh) {
+  Index count = 0;
+  for (Index t = 0; t < mesh.triangleCount(); ++t) {
+    if (mesh.alive(t) && mesh.plane[t] == kNone) ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const IsoSurface& iso,
@@ -90,10 +102,12 @@ Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const Iso
   if (!progress.report(0.3)) return fail(ErrorCode::Cancelled, "Facetting was cancelled.");
 
   facet::Collapser collapser(mesh, context);
-  double tolerance = options.tolerance;
+  double tolerance = kCollapseShare * options.tolerance;
   for (int round = 0; round < kMaxRounds; ++round, tolerance *= kToleranceStep) {
     const auto collapsed = collapser.run(tolerance, progress.part(round == 0 ? 0.3 : 0.8, 0.9));
     if (!collapsed) return tl::unexpected<Error>(collapsed.error());
+    if (countFacets(mesh) > options.maxFacets) continue;
+    facet::relax(mesh, context, tolerance);
     FacetedSurface result = facet::mergePlanes(mesh, context, labels);
     facet::tidyFacets(result, context.heightFloor);
     if (static_cast<std::size_t>(options.maxFacets) < result.polygons.size()) continue;

@@ -82,6 +82,9 @@ void assignPlanes(WorkMesh& mesh, const Context& context, std::span<const Featur
 void refine(WorkMesh& mesh, const Context& context, double tolerance, double shortest,
             Index maxTriangles);
 
+/// Moves points by at most `tolerance` so that phi = d runs between points and facets.
+void relax(WorkMesh& mesh, const Context& context, double tolerance);
+
 /// Polygons of the mesh: connected triangles in one plane become one, others stay triangles.
 [[nodiscard]] FacetedSurface mergePlanes(const WorkMesh& mesh, const Context& context,
                                          std::span<const Feature> labels);

@@ -2,8 +2,10 @@
 //
 // Longest sides first, each split at its middle, which is then projected onto phi = d along the
 // gradient. Splitting a side splits both its triangles, so the mesh stays closed.
-// Weak spot: across a crease the middle lands on one of the two sheets, not on the crease; the next
-// splits close in on it.
+// A side that runs from one sheet to another cuts their crease off: it is split on the crease,
+// where the tangent planes of both sheets meet (as dual contouring does, Ju et al. 2002). Weak
+// spot: between nearly tangent sheets, or where three meet, the middle lands on one of them; the
+// next splits close in on the crease.
 #include <algorithm>
 #include <cmath>
 #include <queue>
@@ -19,6 +21,13 @@ namespace {
 constexpr int kProjectionSteps = 4;
 // A projected middle may move by this part of its side: farther is another sheet.
 constexpr double kLargestMove = 0.3;
+// Sheets whose normals differ by less than 14 degrees have no crease worth finding.
+constexpr double kSharp = 0.97;
+constexpr int kCreaseSteps = 3;
+// Tangent planes are taken this part of the way from the crease to either end.
+constexpr double kProbe = 0.5;
+// A crease may run this part of the side away from its middle.
+constexpr double kLargestCreaseMove = 0.6;
 // Splitting round and round one point is a crease that splits cannot find, not a curved surface.
 constexpr std::size_t kMaxSpokes = 64;
 // A projected middle stays this part of its side away from the corners around.
@@ -47,6 +56,35 @@ std::optional<Vec3> projectedMiddle(const WorkMesh& mesh, const Context& context
     hint = foot.triangle;
   }
   if (!x.allFinite() || (x - middle).norm() > kLargestMove * side.length) return std::nullopt;
+  if (measure(context, x, hint).deviation > kLanded * tolerance) return std::nullopt;
+  return x;
+}
+
+/// Where a side crosses a crease: the point nearest to its middle that lies in the tangent planes
+/// on either side, followed along curved sheets. Empty when the side crosses none.
+std::optional<Vec3> creasePoint(const WorkMesh& mesh, const Context& context, const Side& side,
+                                Index hint, double tolerance) {
+  const Vec3& a = mesh.points[side.from];
+  const Vec3& b = mesh.points[side.to];
+  const Vec3 middle = 0.5 * (a + b);
+  Vec3 x = middle;
+  for (int step = 0; step < kCreaseSteps; ++step) {
+    Eigen::Matrix<double, 2, 3> normals;
+    Eigen::Vector2d gap;
+    for (const int end : {0, 1}) {
+      const Vec3 probe = x + kProbe * ((end == 0 ? a : b) - x);
+      const FootPoint foot = context.surface.footFrom(probe, hint);
+      const Vec3 gradient = context.surface.gradient(probe, foot);
+      normals.row(end) = gradient;
+      gap[end] = context.level - foot.phi() - gradient.dot(x - probe);
+    }
+    const double cosine = normals.row(0).dot(normals.row(1));
+    if (!(std::abs(cosine) < kSharp)) return std::nullopt;
+    const Eigen::Vector2d weights =
+        Eigen::Vector2d(gap[0] - cosine * gap[1], gap[1] - cosine * gap[0]) / (1 - cosine * cosine);
+    x += normals.transpose() * weights;
+  }
+  if (!x.allFinite() || (x - middle).norm() > kLargestCreaseMove * side.length) return std::nullopt;
   if (measure(context, x, hint).deviation > kLanded * tolerance) return std::nullopt;
   return x;
 }
@@ -109,7 +147,8 @@ void refine(WorkMesh& mesh, const Context& context, double tolerance, double sho
     const Vec3 middle = 0.5 * (mesh.points[side.from] + mesh.points[side.to]);
     const Measured m = measure(context, middle, mesh.hint[both[0]]);
     if (m.deviation <= tolerance) continue;
-    const auto x = projectedMiddle(mesh, context, side, m.triangle, tolerance);
+    auto x = creasePoint(mesh, context, side, m.triangle, tolerance);
+    if (!x) x = projectedMiddle(mesh, context, side, m.triangle, tolerance);
     if (!x || nearCorner(mesh, both, *x, kTooNear * side.length)) continue;
     const Index p = mesh.pointCount();
     mesh.points.push_back(*x);

@@ -17,7 +17,7 @@ struct OffsetOptions {
   double distance = 0;  ///< d, mm, signed: positive grows the solid, negative shrinks it
   std::optional<double> tolerance;  ///< mm, bound on the deviation; default 1 % of |d|
   int threads = 0;                  ///< 0: all cores
-  double exactTimeLimit = 30;       ///< s, all attempts at exact patches of one body together
+  double exactTimeLimit = 50;       ///< s, all attempts at exact patches of one body together
 };
 
 /// How the faces of a body's offset came about.

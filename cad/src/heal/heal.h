@@ -8,15 +8,19 @@
 namespace phront::cad {
 
 struct HealOptions {
-  double tolerance = 0;    ///< mm, within which the shape may move
-  bool canonical = false;  ///< extrusions and revolutions that are planes, cylinders, ... become so
-  bool unify = false;      ///< merge faces that lie on one surface
+  double tolerance = 0;  ///< mm, within which the shape may move
+  bool unify = false;    ///< merge faces that lie on one surface
 };
 
 struct HealedShape {
   TopoDS_Shape shape;
   std::vector<std::string> notes;  ///< one sentence per change
 };
+
+/// Freeform faces that are planes, cylinders, cones, spheres or tori within `tolerance` (mm) become
+/// so. Without notes: nothing was found, and the shape is the body itself. Never fails; may crash or
+/// hang with OpenCASCADE.
+[[nodiscard]] HealedShape makeElementary(const TopoDS_Shape& body, double tolerance);
 
 /// Never fails: a step that does not work is left out and noted.
 [[nodiscard]] HealedShape heal(const TopoDS_Shape& body, const HealOptions& options);

@@ -2,15 +2,16 @@
 // divided where they are not C1. A closed face or a closed edge meets itself at its seam, where the
 // images of its two sides are different curves: both are cut in halves. Faces on one surface
 // may be merged first, which takes away the seams between them.
-// Weak spots: planes, cylinders, ... stored as B-splines stay B-splines; a division that
-// OpenCASCADE gets wrong is seen only by area and validity.
-#include "rebuild/heal.h"
+// Weak spot: a division that OpenCASCADE gets wrong is seen only by area and validity.
+#include "heal/heal.h"
 
+#include <fmt/format.h>
+
+#include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <GProp_GProps.hxx>
-#include <ShapeCustom.hxx>
 #include <ShapeFix_Shape.hxx>
 #include <ShapeUpgrade_ShapeDivideClosed.hxx>
 #include <ShapeUpgrade_ShapeDivideClosedEdges.hxx>
@@ -19,7 +20,10 @@
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
 #include <cmath>
+
+#include "heal/canonical.h"
 
 namespace phront::cad {
 namespace {
@@ -31,6 +35,18 @@ double areaOf(const TopoDS_Shape& shape) {
   GProp_GProps properties;
   BRepGProp::SurfaceProperties(shape, properties);
   return properties.Mass();
+}
+
+/// Faces on other surfaces than planes, cylinders, cones, spheres and tori.
+int freeformFaces(const TopoDS_Shape& shape) {
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  int count = 0;
+  for (int i = 1; i <= faces.Extent(); ++i) {
+    const BRepAdaptor_Surface surface(TopoDS::Face(faces(i)), Standard_False);
+    if (surface.GetType() > GeomAbs_Torus) ++count;
+  }
+  return count;
 }
 
 int facesOf(const TopoDS_Shape& shape) {
@@ -86,10 +102,6 @@ TopoDS_Shape divideClosedEdges(const TopoDS_Shape& shape) {
   return divide.Perform() ? divide.Result() : shape;
 }
 
-TopoDS_Shape sweptToElementary(const TopoDS_Shape& shape) {
-  return ShapeCustom::SweptToElementary(shape);
-}
-
 TopoDS_Shape unify(const TopoDS_Shape& shape) {
   ShapeUpgrade_UnifySameDomain unifier(shape, Standard_True, Standard_True, Standard_False);
   unifier.Build();
@@ -98,10 +110,31 @@ TopoDS_Shape unify(const TopoDS_Shape& shape) {
 
 }  // namespace
 
+HealedShape makeElementary(const TopoDS_Shape& body, double tolerance) {
+  HealedShape healed;
+  healed.shape = body;
+  if (freeformFaces(body) == 0) return healed;
+  HealedShape steps;
+  steps.shape = BRepBuilderAPI_Copy(body).Shape();
+  apply(steps, "division of closed faces", divideClosed);
+  CanonicalShape found;
+  try {
+    found = recogniseSurfaces(steps.shape, tolerance);
+  } catch (const Standard_Failure&) {
+    return healed;
+  }
+  if (found.faces == 0) return healed;
+  healed.shape = found.shape;
+  healed.notes.push_back(
+      fmt::format("{} of {} freeform faces are planes, cylinders, cones, spheres or tori within "
+                  "{:.2g} mm",
+                  found.faces, freeformFaces(steps.shape), found.deviation));
+  return healed;
+}
+
 HealedShape heal(const TopoDS_Shape& body, const HealOptions& options) {
   HealedShape healed;
   healed.shape = BRepBuilderAPI_Copy(body).Shape();
-  if (options.canonical) apply(healed, "recognition of swept surfaces", sweptToElementary);
   if (options.unify) apply(healed, "merging faces", unify);
   apply(healed, "division at kinks",
         [&](const TopoDS_Shape& s) { return divideContinuity(s, options.tolerance); });

@@ -1,0 +1,22 @@
+// Planes, cylinders, cones, spheres and tori that are stored as freeform surfaces become what they
+// are; so do lines and circles between them.
+#pragma once
+
+#include <TopoDS_Shape.hxx>
+
+namespace phront::cad {
+
+struct CanonicalShape {
+  TopoDS_Shape shape;    ///< the input itself when nothing was recognised
+  int faces = 0;         ///< faces recognised
+  int edges = 0;         ///< edges that became lines or circles
+  double deviation = 0;  ///< mm, largest distance between an old and a new surface
+};
+
+/// Recognises every face that lies on one of the five surfaces within `tolerance` (mm, > 0). An
+/// edge becomes a line or circle only when all its faces are such surfaces. Edges and vertices keep
+/// their neighbours: closed stays closed. A face whose new form would be invalid or of another area
+/// is left as it is. May throw, hang or crash with OpenCASCADE: call it in runInChild.
+[[nodiscard]] CanonicalShape recogniseSurfaces(const TopoDS_Shape& shape, double tolerance);
+
+}  // namespace phront::cad

@@ -1,0 +1,127 @@
+// Elementary solids turned into B-splines are found again.
+#include "heal/canonical.h"
+
+#include <gtest/gtest.h>
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepBuilderAPI_NurbsConvert.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
+#include <GProp_GProps.hxx>
+#include <ShapeUpgrade_ShapeDivideClosed.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+
+#include <map>
+
+#include "heal/elementary_fit.h"
+#include "solids.h"
+
+namespace phront::cad {
+namespace {
+
+double volumeOf(const TopoDS_Shape& shape) {
+  GProp_GProps properties;
+  BRepGProp::VolumeProperties(shape, properties, 1e-8);
+  return properties.Mass();
+}
+
+std::map<GeomAbs_SurfaceType, int> surfacesOf(const TopoDS_Shape& shape) {
+  std::map<GeomAbs_SurfaceType, int> count;
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  for (int i = 1; i <= faces.Extent(); ++i) {
+    ++count[BRepAdaptor_Surface(TopoDS::Face(faces(i)), Standard_False).GetType()];
+  }
+  return count;
+}
+
+TopoDS_Shape asNurbs(const TopoDS_Shape& shape) {
+  ShapeUpgrade_ShapeDivideClosed divide(shape);
+  divide.SetNbSplitPoints(1);
+  divide.Perform();
+  return BRepBuilderAPI_NurbsConvert(divide.Result(), Standard_True).Shape();
+}
+
+/// All faces recognised, the solid valid and of the same size.
+std::map<GeomAbs_SurfaceType, int> expectRecognised(const TopoDS_Shape& solid) {
+  const TopoDS_Shape nurbs = asNurbs(solid);
+  const auto before = surfacesOf(nurbs);
+  EXPECT_EQ(before.size(), 1U);
+  EXPECT_EQ(before.begin()->first, GeomAbs_BSplineSurface);
+  const CanonicalShape result = recogniseSurfaces(nurbs, 1e-6);
+  EXPECT_EQ(result.faces, before.begin()->second);
+  EXPECT_LT(result.deviation, 1e-9);
+  EXPECT_TRUE(BRepCheck_Analyzer(result.shape).IsValid());
+  EXPECT_NEAR(volumeOf(result.shape), volumeOf(solid), 1e-6 * volumeOf(solid));
+  EXPECT_EQ(result.shape.ShapeType(), nurbs.ShapeType());
+  return surfacesOf(result.shape);
+}
+
+TEST(RecogniseSurfaces, FindsPlanes) {
+  const auto found = expectRecognised(test::lShape());
+  EXPECT_EQ(found.at(GeomAbs_Plane), 8);
+  EXPECT_EQ(recogniseSurfaces(asNurbs(test::lShape()), 1e-6).edges, 18);
+}
+
+TEST(RecogniseSurfaces, FindsCylinders) {
+  const auto found = expectRecognised(test::cylinder(2, 5));
+  EXPECT_EQ(found.at(GeomAbs_Plane), 2);
+  EXPECT_EQ(found.at(GeomAbs_Cylinder), 2);
+}
+
+TEST(RecogniseSurfaces, FindsConesWithoutApex) {
+  const TopoDS_Shape frustum = BRepPrimAPI_MakeCone(3.0, 1.0, 4.0).Solid();
+  EXPECT_EQ(expectRecognised(frustum).at(GeomAbs_Cone), 2);
+}
+
+TEST(RecogniseSurfaces, FindsTori) {
+  EXPECT_EQ(expectRecognised(test::torus(5, 1)).at(GeomAbs_Torus), 4);
+}
+
+TEST(RecogniseSurfaces, FindsFilletsAndWorksInPlaceAnywhere) {
+  gp_Trsf move;
+  move.SetRotation(gp_Ax1(gp_Pnt(1, 2, 3), gp_Dir(1, 2, -1)), 0.7);
+  move.SetTranslationPart(gp_Vec(100, -50, 20));
+  const auto found = expectRecognised(test::transformed(test::filletedBox(10, 2), move));
+  EXPECT_EQ(found.at(GeomAbs_Plane), 6);
+  EXPECT_EQ(found.at(GeomAbs_Cylinder), 12);
+  EXPECT_EQ(found.at(GeomAbs_Sphere), 8);
+}
+
+TEST(RecogniseSurfaces, LeavesFreeformAlone) {
+  const TopoDS_Shape loft = test::loft();
+  const auto before = surfacesOf(loft);
+  const CanonicalShape result = recogniseSurfaces(loft, 1e-6);
+  EXPECT_EQ(surfacesOf(result.shape)[GeomAbs_BSplineSurface],
+            before.at(GeomAbs_BSplineSurface));
+  EXPECT_NEAR(volumeOf(result.shape), volumeOf(loft), 1e-9 * volumeOf(loft));
+}
+
+TEST(RecogniseSurfaces, DoesNotTouchItsInput) {
+  const TopoDS_Shape nurbs = asNurbs(test::box(1, 2, 3));
+  const double volume = volumeOf(nurbs);
+  (void)recogniseSurfaces(nurbs, 1e-6);
+  EXPECT_EQ(surfacesOf(nurbs).at(GeomAbs_BSplineSurface), 6);
+  EXPECT_DOUBLE_EQ(volumeOf(nurbs), volume);
+}
+
+TEST(FitElementary, RefusesWhatLiesOffTheSurface) {
+  std::vector<SurfacePoint> points;
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) {
+      const double bump = (i == 2 && j == 3) ? 1e-3 : 0;
+      points.push_back({Vec3(i, j, bump), Vec3::UnitZ()});
+    }
+  }
+  EXPECT_FALSE(fitElementary(points, 1e-4));
+  EXPECT_TRUE(fitElementary(points, 2e-3));
+}
+
+TEST(FitElementary, NeedsPoints) {
+  EXPECT_FALSE(fitElementary({}, 1e-6));
+  const std::vector<SurfacePoint> one(20, {Vec3(1, 1, 1), Vec3::UnitX()});
+  EXPECT_FALSE(fitElementary(one, 1e-6));
+}
+
+}  // namespace
+}  // namespace phront::cad
