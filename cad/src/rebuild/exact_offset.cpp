@@ -24,6 +24,9 @@ namespace {
 /// good to a tenth of it.
 constexpr double kLevelTolerance = 1e-5;
 constexpr double kApproximation = 1e-6;
+/// Of |d|: pieces this near to the level are live if the rest needs them; the check allows ten times
+/// as much.
+constexpr double kDoubt = 5e-3;
 
 }  // namespace
 
@@ -66,7 +69,11 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   if (!split) return tl::unexpected<Error>(split.error());
   result.splitFaces = static_cast<int>(split->size());
 
-  const std::vector<JudgedFace> judged = judgeFaces(*split, solid, distance, levelTolerance, phi);
+  std::vector<JudgedFace> judged = judgeFaces(*split, solid, distance, levelTolerance, phi);
+  if (solid) {
+    const int turned = settleDoubtful(judged, kDoubt * std::abs(distance));
+    if (turned > 0) result.notes.push_back(fmt::format("{} doubtful pieces settled", turned));
+  }
   result.keptFaces = static_cast<int>(
       std::count_if(judged.begin(), judged.end(), [](const JudgedFace& j) { return j.live; }));
   if (result.keptFaces == 0) {

@@ -10,8 +10,14 @@
 #include <BOPAlgo_Builder.hxx>
 #include <BOPAlgo_PaveFiller.hxx>
 #include <BOPDS_DS.hxx>
+#include <BOPDS_FaceInfo.hxx>
+#include <BOPDS_IndexedMapOfPaveBlock.hxx>
 #include <BOPDS_Iterator.hxx>
+#include <BOPDS_PaveBlock.hxx>
 #include <BOPDS_Tools.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom2d_Curve.hxx>
+#include <ShapeFix_Edge.hxx>
 #include <TColStd_MapOfInteger.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -131,6 +137,30 @@ class ThinnedFiller : public BOPAlgo_PaveFiller {
   PairFilter& filter_;
 };
 
+/// Merging edges now and then loses the parameter curve of one on a face, and one such edge makes
+/// the builder throw for all faces.
+void completeParameterCurves(BOPDS_DS& ds) {
+  ShapeFix_Edge fix;
+  for (int i = 0; i < ds.NbSourceShapes(); ++i) {
+    if (ds.Shape(i).ShapeType() != TopAbs_FACE || !ds.HasFaceInfo(i)) continue;
+    const TopoDS_Face& face = TopoDS::Face(ds.Shape(i));
+    const BOPDS_FaceInfo& info = ds.FaceInfo(i);
+    for (const BOPDS_IndexedMapOfPaveBlock* blocks :
+         {&info.PaveBlocksOn(), &info.PaveBlocksIn(), &info.PaveBlocksSc()}) {
+      for (int b = 1; b <= blocks->Extent(); ++b) {
+        const int index = (*blocks)(b)->Edge();
+        if (index < 0) continue;
+        const TopoDS_Edge edge = TopoDS::Edge(ds.Shape(index).Oriented(TopAbs_FORWARD));
+        double first = 0;
+        double last = 0;
+        if (BRep_Tool::CurveOnSurface(edge, face, first, last).IsNull()) {
+          fix.FixAddPCurve(edge, face, Standard_False);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces, double fuzzy,
@@ -148,6 +178,8 @@ Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& face
   if (fuzzy > 0) filler.SetFuzzyValue(fuzzy);
   filler.Perform();
   if (filler.HasErrors()) return fail(ErrorCode::Failed, "the patches could not be intersected");
+
+  completeParameterCurves(*filler.PDS());
 
   BOPAlgo_Builder builder;
   builder.SetArguments(arguments);

@@ -21,6 +21,7 @@ struct JudgedFace {
   double deviation = 0;             ///< mm, median of |phi - d| over the samples
   double level = 0;                 ///< mm, median of phi
   bool live = false;
+  bool mixed = false;  ///< some samples on the offset, some not
 };
 
 /// Points inside the face: one by OpenCASCADE, others on parameter lines.
@@ -31,6 +32,11 @@ struct JudgedFace {
 [[nodiscard]] std::vector<JudgedFace> judgeFaces(const std::vector<TopoDS_Face>& faces, bool solid,
                                                  double distance, double tolerance,
                                                  const TrueDistance& phi);
+
+/// Settles what samples could not: pieces within `doubt` (mm) of the level are turned live or dead
+/// one by one as long as that leaves fewer edges open. Live pieces are only taken away where three
+/// meet at an edge. Returns how many it turned.
+int settleDoubtful(std::vector<JudgedFace>& faces, double doubt);
 
 /// True when the 1-Lipschitz bound proves that no point of the patch is within `tolerance` of the
 /// level d. Never true for a patch with a live point.

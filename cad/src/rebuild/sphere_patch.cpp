@@ -4,6 +4,9 @@
 // vertex its arcs are the ends of the pipes; at a mixed vertex a part of some of them. A polygon
 // whose sides are not covered by pipe ends stems from the wrong side and is none.
 // The axis of the sphere lies across the middle of the patch and the seam opposite to it.
+// Where all edges are convex the ends of their pipes close a loop by themselves; that loop is taken
+// as it is, since in loosely made models edge directions and face normals disagree by more than any
+// fine angular tolerance.
 // Weak spot: vertices where a face is singular (a pole) have no edge directions there.
 #include "rebuild/sphere_patch.h"
 
@@ -40,6 +43,14 @@ struct Ray {
   gp_Vec n2;
   int face1 = -1;
   int face2 = -1;
+  double angle = 0;  ///< rad, > 0 where convex
+};
+
+/// Outline of a patch: directions of its corners, counter-clockwise seen from outside, and the
+/// vertices there.
+struct Outline {
+  std::vector<gp_Vec> corners;
+  std::vector<TopoDS_Vertex> vertices;
 };
 
 std::vector<Ray> raysAt(const EdgeTable& table, const std::vector<int>& edges, int vertex) {
@@ -55,7 +66,7 @@ std::vector<Ray> raysAt(const EdgeTable& table, const std::vector<int>& edges, i
       if (table.vertexIndex.FindIndex(end) - 1 != vertex) continue;
       const EdgeSample& s = atFirst ? info.samples.front() : info.samples.back();
       rays.push_back({atFirst ? s.tangent : s.tangent.Reversed(), info.smooth, info.pipe, s.n1,
-                      s.n2, info.face1, info.face2});
+                      s.n2, info.face1, info.face2, s.angle});
     }
   }
   return rays;
@@ -93,6 +104,54 @@ std::vector<gp_Vec> polarPolygon(const std::vector<Ray>& rays) {
   return corners;
 }
 
+double twiceArea(const std::vector<gp_Vec>& corners, const gp_Vec& axis) {
+  gp_Vec sum(0, 0, 0);
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    sum += corners[i].Crossed(corners[(i + 1) % corners.size()]);
+  }
+  return sum.Dot(axis);
+}
+
+/// The loop that the pipe ends of a convex vertex make; empty when they make none.
+Outline chainedOutline(const std::vector<Ray>& rays, const VertexImages& images, int vertex,
+                       const gp_Pnt& centre) {
+  struct Arc {
+    TopoDS_Vertex from;
+    TopoDS_Vertex to;
+  };
+  std::vector<Arc> arcs;
+  for (const Ray& ray : rays) {
+    const Arc arc{images.image(vertex, ray.face1), images.image(vertex, ray.face2)};
+    if (arc.from.IsNull() || arc.to.IsNull()) return {};
+    if (arc.from.IsSame(arc.to)) continue;
+    if (!ray.pipe || !(ray.angle > 0)) return {};
+    arcs.push_back(arc);
+  }
+  if (arcs.size() < 3) return {};
+  Outline outline;
+  TopoDS_Vertex end = arcs.front().from;
+  std::vector<char> used(arcs.size(), 0);
+  for (std::size_t step = 0; step < arcs.size(); ++step) {
+    std::size_t next = arcs.size();
+    for (std::size_t i = 0; i < arcs.size() && next == arcs.size(); ++i) {
+      if (!used[i] && (arcs[i].from.IsSame(end) || arcs[i].to.IsSame(end))) next = i;
+    }
+    if (next == arcs.size()) return {};
+    used[next] = 1;
+    outline.vertices.push_back(end);
+    outline.corners.push_back(gp_Vec(centre, BRep_Tool::Pnt(end)).Normalized());
+    end = arcs[next].from.IsSame(end) ? arcs[next].to : arcs[next].from;
+  }
+  if (!end.IsSame(arcs.front().from)) return {};
+  gp_Vec mean(0, 0, 0);
+  for (const gp_Vec& c : outline.corners) mean += c;
+  if (twiceArea(outline.corners, mean) < 0) {
+    std::reverse(outline.corners.begin(), outline.corners.end());
+    std::reverse(outline.vertices.begin(), outline.vertices.end());
+  }
+  return outline;
+}
+
 /// The pipe edge on whose end the side from a to b lies.
 const Ray* rayOfSide(const std::vector<Ray>& rays, const gp_Vec& a, const gp_Vec& b) {
   const gp_Vec middle = (a + b).Normalized();
@@ -106,6 +165,23 @@ const Ray* rayOfSide(const std::vector<Ray>& rays, const gp_Vec& a, const gp_Vec
     if (parts < whole + 1e-4) return &ray;  // on the arc from n1 to n2
   }
   return nullptr;
+}
+
+/// The image of a face there, else a new vertex.
+TopoDS_Vertex cornerVertex(const std::vector<Ray>& rays, const VertexImages& images, int vertex,
+                           const gp_Pnt& centre, const gp_Vec& direction, double radius) {
+  const gp_Pnt point = centre.Translated(direction * radius);
+  for (const Ray& ray : rays) {
+    for (const int f : {ray.face1, ray.face2}) {
+      const TopoDS_Vertex image = images.image(vertex, f);
+      if (!image.IsNull() &&
+          BRep_Tool::Pnt(image).Distance(point) <
+              std::max(2 * BRep_Tool::Tolerance(image), 10 * kAngularTolerance * radius)) {
+        return image;
+      }
+    }
+  }
+  return makeVertex(point, Precision::Confusion());
 }
 
 /// Frame with the patch round u = pi, v = 0 and as little latitude as possible.
@@ -174,36 +250,26 @@ TopoDS_Face spherePatch(const EdgeTable& table, const std::vector<int>& edges,
                         const VertexImages& images, int vertex, double radius, double tolerance,
                         ArcPool& arcs) {
   const std::vector<Ray> rays = raysAt(table, edges, vertex);
-  const std::vector<gp_Vec> corners = polarPolygon(rays);
+  const gp_Pnt centre = BRep_Tool::Pnt(TopoDS::Vertex(table.vertexIndex(vertex + 1)));
+  Outline outline = chainedOutline(rays, images, vertex, centre);
+  const bool chained = !outline.corners.empty();
+  if (!chained) outline.corners = polarPolygon(rays);
+  const std::vector<gp_Vec>& corners = outline.corners;
   if (corners.size() < 3) return {};
 
   // Width of the polygon: twice the area over the perimeter, as a length.
-  gp_Vec twiceArea(0, 0, 0);
+  gp_Vec mean(0, 0, 0);
   double perimeter = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    const gp_Vec& a = corners[i];
-    const gp_Vec& b = corners[(i + 1) % corners.size()];
-    twiceArea += a.Crossed(b);
-    perimeter += (a - b).Magnitude();
+    mean += corners[i];
+    perimeter += (corners[i] - corners[(i + 1) % corners.size()]).Magnitude();
   }
-  if (radius * twiceArea.Magnitude() < tolerance * perimeter) return {};
+  if (mean.Magnitude() < kAngularTolerance) return {};
+  if (radius * twiceArea(corners, mean.Normalized()) < tolerance * perimeter) return {};
 
-  const gp_Pnt centre = BRep_Tool::Pnt(TopoDS::Vertex(table.vertexIndex(vertex + 1)));
-  std::vector<TopoDS_Vertex> cornerVertices;
-  for (const gp_Vec& c : corners) {
-    TopoDS_Vertex found;
-    const gp_Pnt point = centre.Translated(c * radius);
-    for (const Ray& ray : rays) {
-      for (const int f : {ray.face1, ray.face2}) {
-        const TopoDS_Vertex image = images.image(vertex, f);
-        if (found.IsNull() && !image.IsNull() &&
-            BRep_Tool::Pnt(image).Distance(point) <
-                std::max(2 * BRep_Tool::Tolerance(image), 10 * kAngularTolerance * radius)) {
-          found = image;
-        }
-      }
-    }
-    cornerVertices.push_back(found.IsNull() ? makeVertex(point, Precision::Confusion()) : found);
+  std::vector<TopoDS_Vertex>& cornerVertices = outline.vertices;
+  for (std::size_t c = cornerVertices.size(); c < corners.size(); ++c) {
+    cornerVertices.push_back(cornerVertex(rays, images, vertex, centre, corners[c], radius));
   }
 
   const Handle(Geom_SphericalSurface) sphere =
@@ -216,7 +282,7 @@ TopoDS_Face spherePatch(const EdgeTable& table, const std::vector<int>& edges,
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const std::size_t j = (i + 1) % corners.size();
     if (cornerVertices[i].IsSame(cornerVertices[j])) continue;
-    if (rayOfSide(rays, corners[i], corners[j]) == nullptr) return {};
+    if (!chained && rayOfSide(rays, corners[i], corners[j]) == nullptr) return {};
     const TopoDS_Edge arc = arcs.arc(centre, corners[i].Crossed(corners[j]), radius,
                                      cornerVertices[i], cornerVertices[j]);
     addSphereCurve(arc, face, sphere);
