@@ -19,6 +19,7 @@ struct OffsetArguments {
   std::string distance;
   std::string join = "arc";
   bool parametric = false;
+  double timeLimit = cad::OffsetOptions().timeLimit;
   CommonOptions common;
 };
 
@@ -130,6 +131,7 @@ int runOffset(const OffsetArguments& arguments) {
   cad::OffsetOptions options;
   options.distance = *distance;
   options.threads = arguments.common.threads;
+  options.timeLimit = arguments.timeLimit;
   if (!arguments.common.tolerance.empty()) {
     const Result<double> tolerance = parseLength(arguments.common.tolerance, arguments.common.unit);
     if (!tolerance) return reportError(tolerance.error());
@@ -182,6 +184,11 @@ void addOffsetCommand(CLI::App& app, int& exitCode) {
       ->check(CLI::IsMember({"arc"}));
   command->add_flag("--parametric", arguments->parametric,
                     "Mesh output: move the input's own nodes, keep connectivity and order");
+  command
+      ->add_option("--time-limit", arguments->timeLimit,
+                   "Seconds for all attempts and their checks; writing comes on top")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
   addCommonOptions(*command, arguments->common);
   command->callback([arguments, &exitCode] { exitCode = runOffset(*arguments); });
 }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <system_error>
 
+#include "deadline.h"
 #include "phront/cad/exchange.h"
 #include "rebuild/body_offset.h"
 
@@ -16,6 +17,10 @@ namespace {
 // Reading back repeats the whole measurement on the file's own geometry with fewer samples: what
 // can differ from memory is what the format lost, and that shows everywhere.
 constexpr int kReadBackSamples = 6000;
+// Of the time left, for the bodies; the rest is for the check of the whole.
+constexpr double kBodiesShare = 0.8;
+constexpr double kLeastBodySeconds = 2;
+constexpr double kLeastCheckSeconds = 10;
 
 Result<OffsetOptions> resolve(const Model& model, OffsetOptions options) {
   if (!std::isfinite(options.distance) || options.distance == 0)
@@ -24,6 +29,8 @@ Result<OffsetOptions> resolve(const Model& model, OffsetOptions options) {
                 "unit, for example -d 2 or -d -0.1in");
   if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance)))
     return fail(ErrorCode::InvalidArgument, "the tolerance must be a positive length");
+  if (!(options.timeLimit > 0))
+    return fail(ErrorCode::InvalidArgument, "the time limit must be a positive number of seconds");
   if (model.bodies.empty())
     return fail(ErrorCode::InvalidArgument, "the model holds no body to offset");
   if (!options.tolerance) options.tolerance = 0.01 * std::abs(options.distance);
@@ -42,7 +49,7 @@ void addTimes(std::vector<StageTime>& sum, const std::vector<StageTime>& times) 
 }
 
 // The check of the whole: of the only body, or of all together (bodies may come to overlap).
-CheckResult checkWhole(const Model& in, const OffsetResult& result) {
+CheckResult checkWhole(const Model& in, const OffsetResult& result, const Deadline& deadline) {
   const OffsetReport& report = result.report;
   if (report.bodies.size() == 1) return report.bodies.front().check;
   for (std::size_t i = 0; i < report.bodies.size(); ++i) {
@@ -56,6 +63,7 @@ CheckResult checkWhole(const Model& in, const OffsetResult& result) {
   CheckOptions options;
   options.distance = report.options.distance;
   options.tolerance = report.options.tolerance;
+  options.timeLimit = deadline.forStep(1, kLeastCheckSeconds, options.timeLimit);
   const Result<CheckResult> check = checkOffset(in, result.model, options);
   if (!check) {
     CheckResult failed;
@@ -81,12 +89,14 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
   report.options = *options;
   report.warnings = model.warnings;
   const double count = static_cast<double>(model.bodies.size());
+  const Deadline deadline(options->timeLimit);
+  const double forBodies = model.bodies.size() > 1 ? kBodiesShare : 1;
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Progress part = progress.part(0.95 * static_cast<double>(i) / count,
                                         0.95 * static_cast<double>(i + 1) / count);
     OffsetOptions bodyOptions = *options;
-    // A long assembly must end too: the time for exact patches is shared out, not multiplied.
-    bodyOptions.exactTimeLimit = std::max(options->exactTimeLimit / count, 4.0);
+    const double share = 1 / (count - static_cast<double>(i));
+    bodyOptions.timeLimit = deadline.forStep(forBodies * share, kLeastBodySeconds, 1e6);
     Result<BodyOffset> offset = offsetBody(model.bodies[i], bodyOptions, part);
     if (!offset) return tl::unexpected(offset.error());
     for (Body& body : offset->bodies) result.model.bodies.push_back(std::move(body));
@@ -96,7 +106,7 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
   if (!progress.part(0.95, 1, "check").report(0))
     return fail(ErrorCode::Cancelled, "the offset was cancelled");
   const auto start = std::chrono::steady_clock::now();
-  report.check = checkWhole(model, result);
+  report.check = checkWhole(model, result, deadline);
   addTimes(
       report.times,
       {{"check", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count()}});

@@ -8,8 +8,8 @@
 // curve only where every face on them is elementary: a new curve would leave the pcurves on a
 // freeform face wrong (parts were seen to change their volume by a third). Faces that come out
 // badly are struck off and all is built again without them.
-// A pole of the old surface is no pole of the new one: degenerated edges go. Weak spots: a face with
-// a seam is left alone (closed faces are divided before); ellipses stay B-splines.
+// A pole of the old surface is no pole of the new one: degenerated edges go. Weak spots: a face
+// with a seam is left alone (closed faces are divided before); ellipses stay B-splines.
 #include "heal/canonical.h"
 
 #include <BRepAdaptor_Curve.hxx>
@@ -32,8 +32,8 @@
 #include <TColStd_Array1OfReal.hxx>
 #include <TColStd_HArray1OfReal.hxx>
 #include <TColgp_HArray1OfPnt2d.hxx>
-#include <TopExp.hxx>
 #include <TopAbs.hxx>
+#include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -157,8 +157,8 @@ std::vector<SurfacePoint> samplesOf(const TopoDS_Face& oriented) {
 
 /// Line or circle through the edge's ends; nullopt when it is neither within `tolerance`.
 /// `last`: its last parameter, the first is 0; `off`: how far it is off the edge.
-std::optional<Handle(Geom_Curve)> recogniseCurve(const TopoDS_Edge& edge, double tolerance, double& last,
-                                  double& off) {
+std::optional<Handle(Geom_Curve)> recogniseCurve(const TopoDS_Edge& edge, double tolerance,
+                                                 double& last, double& off) {
   const BRepAdaptor_Curve curve(edge);
   if (curve.GetType() == GeomAbs_Line || curve.GetType() == GeomAbs_Circle) return std::nullopt;
   std::vector<gp_Pnt> points;
@@ -183,8 +183,8 @@ std::optional<Handle(Geom_Curve)> recogniseCurve(const TopoDS_Edge& edge, double
   const gp_Vec q(middle, b);
   const gp_Vec n = p.Crossed(q);
   if (n.SquareMagnitude() < 1e-24) return std::nullopt;
-  const gp_Vec arm = (q * p.SquareMagnitude() - p * q.SquareMagnitude()).Crossed(n) *
-                     (-0.5 / n.SquareMagnitude());
+  const gp_Vec arm =
+      (q * p.SquareMagnitude() - p * q.SquareMagnitude()).Crossed(n) * (-0.5 / n.SquareMagnitude());
   const gp_Pnt centre = middle.Translated(arm);
   const double radius = arm.Magnitude();
   // From a over the middle to b.
@@ -338,8 +338,7 @@ class Recogniser {
 
   /// A line or circle instead of the edge, where all its faces allow it.
   void renewEdge(int e) {
-    const TopoDS_Edge edge =
-        TopoDS::Edge(facesOfEdge_.FindKey(e).Oriented(TopAbs_FORWARD));
+    const TopoDS_Edge edge = TopoDS::Edge(facesOfEdge_.FindKey(e).Oriented(TopAbs_FORWARD));
     if (BRep_Tool::Degenerated(edge)) return;
     bool touched = false;
     bool all = true;
@@ -396,9 +395,8 @@ class Recogniser {
         const TopoDS_Edge& edge = TopoDS::Edge(e.Value());
         if (BRep_Tool::Degenerated(edge)) continue;
         const auto known = edges_.find(edge.TShape().get());
-        TopoDS_Edge used = known == edges_.end()
-                               ? edge
-                               : TopoDS::Edge(known->second.Oriented(edge.Orientation()));
+        TopoDS_Edge used =
+            known == edges_.end() ? edge : TopoDS::Edge(known->second.Oriented(edge.Orientation()));
         addCurve(used, face, middle);
         builder.Add(wire, used);
       }
@@ -442,8 +440,7 @@ class Recogniser {
     const Handle(TColStd_HArray1OfReal) at = new TColStd_HArray1OfReal(1, kCurvePoints);
     for (int i = 0; i < kCurvePoints; ++i) {
       const double t = first + (last - first) * i / (kCurvePoints - 1);
-      gp_Pnt2d uv =
-          parametersOn(surface, curve->Value(t).Transformed(location.Transformation()));
+      gp_Pnt2d uv = parametersOn(surface, curve->Value(t).Transformed(location.Transformation()));
       uv.SetX(nearest(uv.X(), middle.X()));
       if (surface.GetType() == GeomAbs_Torus) uv.SetY(nearest(uv.Y(), middle.Y()));
       points->SetValue(i + 1, uv);

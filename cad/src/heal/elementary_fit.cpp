@@ -87,7 +87,7 @@ class Fitter {
     const double deviation = worst([&](const Vec3& p) { return n.dot(p); }, normal);
     if (deviation > tolerance_) return std::nullopt;
     return ElementaryFit{new Geom_Plane(toPoint(Vec3::Zero()), gp_Dir(n.x(), n.y(), n.z())),
-                         deviation * size_};
+                         deviation* size_};
   }
 
   std::optional<ElementaryFit> sphere() {
@@ -136,7 +136,7 @@ class Fitter {
     if (std::asin(std::min(1.0, least)) > std::numbers::pi / 2 - kClear) return std::nullopt;
     const auto frame = frameAround(c, axis, middle);
     if (!frame) return std::nullopt;
-    return ElementaryFit{new Geom_SphericalSurface(*frame, r * size_), deviation * size_};
+    return ElementaryFit{new Geom_SphericalSurface(*frame, r * size_), deviation* size_};
   }
 
   std::optional<ElementaryFit> cylinder() {
@@ -174,7 +174,7 @@ class Fitter {
     if (deviation > tolerance_) return std::nullopt;
     const auto frame = frameAround(x[0] * e1 + x[1] * e2, axisOf(x), meanOf(normal));
     if (!frame) return std::nullopt;
-    return ElementaryFit{new Geom_CylindricalSurface(*frame, x[4] * size_), deviation * size_};
+    return ElementaryFit{new Geom_CylindricalSurface(*frame, x[4] * size_), deviation* size_};
   }
 
   std::optional<ElementaryFit> cone() {
@@ -225,7 +225,7 @@ class Fitter {
     const auto frame = frameAround(apex + lowest * z, z, meanOf(radial));
     if (!frame) return std::nullopt;
     return ElementaryFit{new Geom_ConicalSurface(*frame, half, lowest * std::tan(half) * size_),
-                         deviation * size_};
+                         deviation* size_};
   }
 
   std::optional<ElementaryFit> torus() {
@@ -280,7 +280,7 @@ class Fitter {
     const auto frame = frameAround(c, axisOf(x), meanOf(around));
     if (!frame) return std::nullopt;
     return ElementaryFit{new Geom_ToroidalSurface(*frame, major * size_, minor * size_),
-                         deviation * size_};
+                         deviation* size_};
   }
 
   /// Gauss-Newton; false when the numbers run away.
@@ -335,7 +335,8 @@ class Fitter {
   }
 
   /// Frame with the seam opposite `middle`; nullopt when points lie near the seam.
-  std::optional<gp_Ax3> frameAround(const Vec3& origin, const Vec3& axis, const Vec3& middle) const {
+  std::optional<gp_Ax3> frameAround(const Vec3& origin, const Vec3& axis,
+                                    const Vec3& middle) const {
     Vec3 x = -(middle - axis * axis.dot(middle));
     if (x.norm() < kClear) return std::nullopt;
     x.normalize();

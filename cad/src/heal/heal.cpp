@@ -7,12 +7,16 @@
 
 #include <fmt/format.h>
 
+#include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
+#include <BRep_Tool.hxx>
+#include <GCPnts_AbscissaPoint.hxx>
 #include <GProp_GProps.hxx>
 #include <ShapeFix_Shape.hxx>
+#include <ShapeFix_Wireframe.hxx>
 #include <ShapeUpgrade_ShapeDivideClosed.hxx>
 #include <ShapeUpgrade_ShapeDivideClosedEdges.hxx>
 #include <ShapeUpgrade_ShapeDivideContinuity.hxx>
@@ -30,6 +34,9 @@ namespace {
 
 /// Relative change of area that a step may make: the divisions only cut.
 constexpr double kAreaChange = 1e-4;
+
+/// Edges shorter than this share of the tolerance are dropped.
+constexpr double kSmallEdge = 0.1;
 
 double areaOf(const TopoDS_Shape& shape) {
   GProp_GProps properties;
@@ -102,6 +109,26 @@ TopoDS_Shape divideClosedEdges(const TopoDS_Shape& shape) {
   return divide.Perform() ? divide.Result() : shape;
 }
 
+bool hasEdgesBelow(const TopoDS_Shape& shape, double length) {
+  TopTools_IndexedMapOfShape edges;
+  TopExp::MapShapes(shape, TopAbs_EDGE, edges);
+  for (int i = 1; i <= edges.Extent(); ++i) {
+    const TopoDS_Edge& edge = TopoDS::Edge(edges(i));
+    if (BRep_Tool::Degenerated(edge)) continue;
+    if (GCPnts_AbscissaPoint::Length(BRepAdaptor_Curve(edge)) < length) return true;
+  }
+  return false;
+}
+
+/// The pipe of an edge of no length is a face of no area, which no file format can carry.
+TopoDS_Shape dropSmallEdges(const TopoDS_Shape& shape, double length) {
+  ShapeFix_Wireframe fix(shape);
+  fix.SetPrecision(length);
+  fix.SetMaxTolerance(length);
+  fix.ModeDropSmallEdges() = Standard_True;
+  return fix.FixSmallEdges() ? fix.Shape() : shape;
+}
+
 TopoDS_Shape unify(const TopoDS_Shape& shape) {
   ShapeUpgrade_UnifySameDomain unifier(shape, Standard_True, Standard_True, Standard_False);
   unifier.Build();
@@ -135,6 +162,11 @@ HealedShape makeElementary(const TopoDS_Shape& body, double tolerance) {
 HealedShape heal(const TopoDS_Shape& body, const HealOptions& options) {
   HealedShape healed;
   healed.shape = BRepBuilderAPI_Copy(body).Shape();
+  const double small = kSmallEdge * options.tolerance;
+  if (hasEdgesBelow(healed.shape, small)) {
+    apply(healed, "removal of small edges",
+          [&](const TopoDS_Shape& s) { return dropSmallEdges(s, small); });
+  }
   if (options.unify) apply(healed, "merging faces", unify);
   apply(healed, "division at kinks",
         [&](const TopoDS_Shape& s) { return divideContinuity(s, options.tolerance); });

@@ -18,8 +18,8 @@ struct HealedShape {
 };
 
 /// Freeform faces that are planes, cylinders, cones, spheres or tori within `tolerance` (mm) become
-/// so. Without notes: nothing was found, and the shape is the body itself. Never fails; may crash or
-/// hang with OpenCASCADE.
+/// so. Without notes: nothing was found, and the shape is the body itself. Never fails; may crash
+/// or hang with OpenCASCADE.
 [[nodiscard]] HealedShape makeElementary(const TopoDS_Shape& body, double tolerance);
 
 /// Never fails: a step that does not work is left out and noted.

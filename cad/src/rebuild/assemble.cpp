@@ -6,11 +6,13 @@
 #include "rebuild/assemble.h"
 
 #include <BOPAlgo_MakerVolume.hxx>
+#include <BRepAdaptor_Curve.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
+#include <GCPnts_AbscissaPoint.hxx>
 #include <GProp_GProps.hxx>
 #include <ShapeFix_Shape.hxx>
 #include <Standard_Failure.hxx>
@@ -26,11 +28,16 @@
 #include <cmath>
 #include <functional>
 
+#include "rebuild/patch_tools.h"
+
 namespace phront::cad {
 namespace {
 
 /// Step across a face, of |d|, to see which way phi grows.
 constexpr double kStep = 1e-3;
+/// Pieces narrower than this share of the diagonal have no area: no file can carry them, and sewing
+/// closes the gap they leave.
+constexpr double kNoWidth = 1e-6;
 /// Solids thinner than this share of the diagonal (volume over area) have no volume.
 constexpr double kNoVolume = 1e-7;
 
@@ -75,6 +82,17 @@ bool hasVolume(const TopoDS_Shape& solid, double diagonal) {
   return volume.Mass() > kNoVolume * diagonal * area.Mass();
 }
 
+bool hasWidth(const TopoDS_Shape& face, double width) {
+  GProp_GProps area;
+  BRepGProp::SurfaceProperties(face, area);
+  double perimeter = 0;
+  for (const TopoDS_Edge& edge : edgesOf(TopoDS::Face(face))) {
+    if (!BRep_Tool::Degenerated(edge))
+      perimeter += GCPnts_AbscissaPoint::Length(BRepAdaptor_Curve(edge));
+  }
+  return std::abs(area.Mass()) > 0.5 * width * perimeter;
+}
+
 class Assembler {
  public:
   Assembler(const std::vector<JudgedFace>& faces, const AssembleOptions& options,
@@ -82,8 +100,16 @@ class Assembler {
       : faces_(faces), options_(options), phi_(phi) {
     for (std::size_t i = 0; i < faces.size(); ++i) {
       index_.Bind(faces[i].face, static_cast<int>(i));
+      if (!faces[i].live) continue;
+      if (hasWidth(faces[i].face, kNoWidth * options.diagonal)) {
+        live_.push_back(faces[i].face);
+      } else {
+        hasSlivers_ = true;
+      }
     }
   }
+
+  [[nodiscard]] bool mustSew() const { return hasSlivers_; }
 
   /// Share of faces that say "this cell is inside". Dead faces lie wholly in phi < d; a live one
   /// says so when phi grows across it outwards.
@@ -142,11 +168,11 @@ class Assembler {
     }
   }
 
-  Assembly fromPieces() { return finish(cellsOf(live()), "pieces"); }
+  Assembly fromPieces() { return finish(cellsOf(live_), "pieces"); }
 
   Assembly fromSewnPieces() {
-    BRepBuilderAPI_Sewing sewing(options_.sewTolerance);
-    for (const TopoDS_Shape& face : live()) sewing.Add(face);
+    BRepBuilderAPI_Sewing sewing(std::max(options_.sewTolerance, kNoWidth * options_.diagonal));
+    for (const TopoDS_Shape& face : live_) sewing.Add(face);
     sewing.Perform();
     return finish(cellsOf(partsOf(sewing.SewedShape(), TopAbs_FACE)), "sewn pieces");
   }
@@ -166,17 +192,11 @@ class Assembler {
   }
 
  private:
-  std::vector<TopoDS_Shape> live() const {
-    std::vector<TopoDS_Shape> result;
-    for (const JudgedFace& j : faces_) {
-      if (j.live) result.push_back(j.face);
-    }
-    return result;
-  }
-
   const std::vector<JudgedFace>& faces_;
   AssembleOptions options_;
   const TrueDistance& phi_;
+  std::vector<TopoDS_Shape> live_;
+  bool hasSlivers_ = false;
   TopTools_DataMapOfShapeInteger index_;
 };
 
@@ -203,8 +223,10 @@ int countOpenEdges(const TopoDS_Shape& shape) {
 Assembly assembleSolids(const std::vector<JudgedFace>& faces, const AssembleOptions& options,
                         const TrueDistance& phi) {
   Assembler assembler(faces, options, phi);
-  std::vector<std::function<Assembly()>> ways{[&] { return assembler.fromPieces(); }};
-  if (options.sewTolerance > 0) ways.push_back([&] { return assembler.fromSewnPieces(); });
+  std::vector<std::function<Assembly()>> ways;
+  if (!assembler.mustSew()) ways.push_back([&] { return assembler.fromPieces(); });
+  if (options.sewTolerance > 0 || assembler.mustSew())
+    ways.push_back([&] { return assembler.fromSewnPieces(); });
   ways.push_back([&] { return assembler.fromCells(); });
   Assembly best;
   for (const auto& way : ways) {

@@ -31,6 +31,9 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double kAttemptMemoryMiB = 3000;
 constexpr double kCheckSeconds = 30;
+constexpr double kLeastCheckSeconds = 10;  // also past the deadline: an attempt is worth it
+// No attempt is started with less time than this left, s.
+constexpr double kLeastAttempt = 1;
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -79,7 +82,7 @@ bool volumeAgrees(double volume, const FrontReference& reference, double distanc
 
 Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& options,
                const TrueDistance& phi, const std::optional<FrontReference>& reference,
-               const AttemptSetting& setting) {
+               const AttemptSetting& setting, const Deadline& deadline) {
   const Clock::time_point start = Clock::now();
   Trial trial;
   const auto say = [&](const std::string& outcome) {
@@ -89,8 +92,8 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
   const Result<std::string> bytes =
       runInChild("offset by exact patches", {setting.timeLimit, kAttemptMemoryMiB},
                  [&]() -> Result<std::string> {
-                   Result<AttemptResult> attempt =
-                       tryExactOffset(occtShape(healed.shape), solid, options.distance, phi, setting);
+                   Result<AttemptResult> attempt = tryExactOffset(occtShape(healed.shape), solid,
+                                                                  options.distance, phi, setting);
                    if (!attempt) return tl::unexpected(attempt.error());
                    return packAttempt(*attempt);
                  });
@@ -120,7 +123,7 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
   CheckOptions checkOptions;
   checkOptions.distance = options.distance;
   checkOptions.tolerance = options.tolerance;
-  checkOptions.timeLimit = kCheckSeconds;
+  checkOptions.timeLimit = deadline.forStep(1, kLeastCheckSeconds, kCheckSeconds);
   const Result<CheckResult> check = checkOffset(in, out, checkOptions);
   if (!check) {
     say(check.error().message + "; " + counts);
@@ -153,16 +156,15 @@ std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::
 
 AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions& options,
                        const TrueDistance& phi, const std::optional<FrontReference>& reference,
-                       const Progress& progress) {
-  const Clock::time_point start = Clock::now();
+                       const Deadline& deadline, const Progress& progress) {
   const std::vector<AttemptSetting> settings = attemptSettings();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
   const std::size_t wave = threads >= 2 ? 2 : 1;
   AttemptLog log;
   for (std::size_t first = 0; first < settings.size() && !log.accepted; first += wave) {
-    const double left = options.exactTimeLimit - secondsSince(start);
-    if (left < 1 || !progress.report(static_cast<double>(first) / settings.size())) break;
+    const double left = deadline.left();
+    if (left < kLeastAttempt || !progress.report(static_cast<double>(first) / settings.size())) break;
     const std::size_t count = std::min(wave, settings.size() - first);
     std::vector<Trial> trials(count);
     std::vector<std::thread> runners;  // they only wait for their child process
@@ -170,7 +172,7 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
       runners.emplace_back([&, i] {
         AttemptSetting setting = settings[first + i];
         setting.timeLimit = std::min(setting.timeLimit, left);
-        trials[i] = runTrial(body, healed, options, phi, reference, setting);
+        trials[i] = runTrial(body, healed, options, phi, reference, setting, deadline);
       });
     }
     for (std::thread& runner : runners) runner.join();

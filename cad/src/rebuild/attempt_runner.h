@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "deadline.h"
 #include "phront/cad/offset_shape.h"
 #include "rebuild/exact_offset.h"
 #include "rebuild/true_distance.h"
@@ -30,13 +31,13 @@ struct AttemptLog {
 };
 
 /// Tries the settings in order (two at a time when threads allow) until one result passes the check
-/// and agrees with the reference (sheets have none), or the time is over. With two at a time the
+/// and agrees with the reference (sheets have none), or the `deadline` is reached. With two at a time the
 /// earlier setting wins, so the choice does not depend on who finishes first.
 /// `healed` is offset and `phi` is its distance; results are checked against `body`, as read.
 [[nodiscard]] AttemptLog runAttempts(const Body& body, const Body& healed,
                                      const OffsetOptions& options, const TrueDistance& phi,
                                      const std::optional<FrontReference>& reference,
-                                     const Progress& progress);
+                                     const Deadline& deadline, const Progress& progress);
 
 /// Splits a shape into bodies: one per solid, one per connected sheet.
 [[nodiscard]] std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "deadline.h"
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
 #include "heal/heal.h"
@@ -40,11 +41,17 @@ constexpr double kRecognitionOfDiagonal = 2e-6;
 constexpr double kRecognitionOfDistance = 1e-3;
 constexpr double kRecognitionSeconds = 10;
 constexpr double kRecognitionMemoryMiB = 2000;
-// What the facets of one body may take.
-constexpr double kFacetSeconds = 30;
+// Shares of the time left: attempts where facets can follow, and where nothing can; facets.
+constexpr double kAttemptShare = 0.6;
+constexpr double kOnlyAttemptsShare = 0.9;
+constexpr double kFacetShare = 0.6;
+// Bounds of the seconds for facets and for one measurement of the result.
+constexpr double kLeastSeconds = 3;
+constexpr double kFacetSeconds = 40;
+constexpr double kCheckSeconds = 40;
 constexpr double kFacetMemoryMiB = 4000;
-// What one measurement of its result may take.
-constexpr double kCheckSeconds = 30;
+// The front is refined for thin features up to this many nodes, some 8 s.
+constexpr std::int64_t kMostFrontNodes = 2'500'000;
 
 class StageClock {
  public:
@@ -78,16 +85,15 @@ Result<TrueDistance> prepareDistance(const Body& body, double distance) {
 /// The body with elementary surfaces where it has freeform ones that are the same: what the offset
 /// is made from. It is judged against the body as read.
 Body withElementarySurfaces(const Body& body, double distance, std::vector<std::string>& log) {
-  const double tolerance =
-      std::min(kRecognitionOfDiagonal * diagonalOf(occtShape(body.shape)),
-               kRecognitionOfDistance * std::abs(distance));
-  const Result<std::string> bytes = runInChild(
-      "recognising surfaces", {kRecognitionSeconds, kRecognitionMemoryMiB},
-      [&]() -> Result<std::string> {
-        const HealedShape healed = makeElementary(occtShape(body.shape), tolerance);
-        if (healed.notes.empty()) return std::string();
-        return healed.notes.front() + "\n" + bytesOfShape(healed.shape);
-      });
+  const double tolerance = std::min(kRecognitionOfDiagonal * diagonalOf(occtShape(body.shape)),
+                                    kRecognitionOfDistance * std::abs(distance));
+  const Result<std::string> bytes =
+      runInChild("recognising surfaces", {kRecognitionSeconds, kRecognitionMemoryMiB},
+                 [&]() -> Result<std::string> {
+                   const HealedShape healed = makeElementary(occtShape(body.shape), tolerance);
+                   if (healed.notes.empty()) return std::string();
+                   return healed.notes.front() + "\n" + bytesOfShape(healed.shape);
+                 });
   if (!bytes) {
     log.push_back(bytes.error().message);
     return body;
@@ -116,7 +122,7 @@ CheckResult failedCheck(std::string reason) {
 }
 
 Result<CheckResult> checkBody(const Body& body, const std::vector<Body>& result,
-                              const OffsetOptions& options) {
+                              const OffsetOptions& options, const Deadline& deadline) {
   Model in;
   in.bodies.push_back(body);
   Model out;
@@ -124,7 +130,7 @@ Result<CheckResult> checkBody(const Body& body, const std::vector<Body>& result,
   CheckOptions check;
   check.distance = options.distance;
   check.tolerance = options.tolerance;
-  check.timeLimit = kCheckSeconds;
+  check.timeLimit = deadline.forStep(1, kLeastSeconds, kCheckSeconds);
   return checkOffset(in, out, check);
 }
 
@@ -157,11 +163,11 @@ Result<std::string> makeFacetSolid(const OffsetOptions& options, const TrueDista
 
 // The iso-surface itself becomes the solid.
 void useFacets(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-               const IsoSurface& front, BodyOffset& result) {
+               const IsoSurface& front, const Deadline& deadline, BodyOffset& result) {
   BodyReport& report = result.report;
   report.setting = "facets of the iso-surface";
   const Result<std::string> bytes =
-      runInChild("facets of the iso-surface", {kFacetSeconds, kFacetMemoryMiB},
+      runInChild("facets of the iso-surface", {deadline.forStep(kFacetShare, kLeastSeconds, kFacetSeconds), kFacetMemoryMiB},
                  [&] { return makeFacetSolid(options, phi, front); });
   if (!bytes) {
     report.check = failedCheck(bytes.error().message);
@@ -178,7 +184,7 @@ void useFacets(const Body& body, const OffsetOptions& options, const TrueDistanc
     return;
   }
   result.bodies = bodiesOf(*solid, BodyKind::Solid, body.name);
-  const Result<CheckResult> check = checkBody(body, result.bodies, options);
+  const Result<CheckResult> check = checkBody(body, result.bodies, options, deadline);
   report.check = check ? *check : failedCheck(check.error().message);
   report.kind = report.check.pass() ? OffsetKind::Faceted : OffsetKind::Failed;
 }
@@ -189,6 +195,7 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
                               const Progress& progress) {
   BodyOffset result;
   BodyReport& report = result.report;
+  const Deadline deadline(options.timeLimit);
   StageClock clock(result.times);
   report.name = body.name;
   report.inputFaces = faceCount(body.shape);
@@ -207,6 +214,7 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
   if (solid && phi->surface().closed()) {
     IsoSurfaceOptions isoOptions;
     isoOptions.level = options.distance;
+    isoOptions.mostRefinedNodes = kMostFrontNodes;
     isoOptions.threads = options.threads;
     Result<IsoSurface> iso =
         isoSurface(phi->surface(), isoOptions, progress.part(0.1, 0.3, "front"));
@@ -221,7 +229,7 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
   }
 
   if (front && front->mesh.triangles.empty()) {
-    const Result<CheckResult> check = checkBody(body, {}, options);
+    const Result<CheckResult> check = checkBody(body, {}, options, deadline);
     clock.lap("check");
     if (check && check->pass()) {
       report.kind = OffsetKind::Empty;
@@ -233,8 +241,9 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
     reference.reset();
   }
 
-  AttemptLog log =
-      runAttempts(body, healed, options, *phi, reference, progress.part(0.3, 0.8, "exact patches"));
+  const Deadline attempts(deadline.left() * (front ? kAttemptShare : kOnlyAttemptsShare));
+  AttemptLog log = runAttempts(body, healed, options, *phi, reference, attempts,
+                               progress.part(0.3, 0.8, "exact patches"));
   clock.lap("exact patches");
   report.attempts.insert(report.attempts.end(), log.lines.begin(), log.lines.end());
   if (log.accepted) {
@@ -246,7 +255,7 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
   } else if (front) {
     if (!progress.part(0.8, 1, "facets").report(0))
       return fail(ErrorCode::Cancelled, "the offset was cancelled");
-    useFacets(body, options, *phi, *front, result);
+    useFacets(body, options, *phi, *front, deadline, result);
     clock.lap("facets");
   } else {
     report.check = failedCheck(report.attempts.empty() ? "no way gave a result"

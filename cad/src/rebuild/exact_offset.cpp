@@ -24,8 +24,8 @@ namespace {
 /// good to a tenth of it.
 constexpr double kLevelTolerance = 1e-5;
 constexpr double kApproximation = 1e-6;
-/// Of |d|: pieces this near to the level are live if the rest needs them; the check allows ten times
-/// as much.
+/// Of |d|: pieces this near to the level are live if the rest needs them; the check allows ten
+/// times as much.
 constexpr double kDoubt = 5e-3;
 
 }  // namespace
@@ -37,8 +37,7 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   }
   AttemptResult result;
   const double diagonal = diagonalOf(body);
-  HealedShape healed = heal(
-      body, {.tolerance = 1e-5 * diagonal, .unify = setting.unifyInput});
+  HealedShape healed = heal(body, {.tolerance = 1e-5 * diagonal, .unify = setting.unifyInput});
   result.notes = std::move(healed.notes);
 
   RawComplex raw = buildRawComplex(healed.shape, {.distance = distance,

@@ -2,8 +2,8 @@
 // patches pass through it. So only crossings on the level matter, and a pair of patches has none
 // unless a living cell of one meets a living cell of the other. Cells die by the 1-Lipschitz bound.
 // Neighbours by construction are tangent along their shared edge, where intersecting them is slow
-// and ill-conditioned. Near it they cannot cross on the level: that would be a ridge within |d| of a
-// smooth front. Cells away from the edge tell whether they come together once more elsewhere.
+// and ill-conditioned. Near it they cannot cross on the level: that would be a ridge within |d| of
+// a smooth front. Cells away from the edge tell whether they come together once more elsewhere.
 // Weak spot: cells are boxes of sampled points with a margin; a patch that bulges out of it between
 // the samples could lose a crossing, which the check of the result would show.
 #include "rebuild/living_cells.h"
@@ -28,8 +28,9 @@ constexpr double kSmallReach = 0.1;
 // What bulges between the sample points of a cell, in parts of its reach.
 constexpr double kBulge = 0.15;
 constexpr int kEdgePoints = 65;
-// Cells within this many |d| of a shared edge are near it: all of a pipe is near its edge.
-constexpr double kNearEdge = 1.5;
+// Cells within this many |d| of a shared edge are near it. Larger values save time and lose
+// crossings of short patches.
+constexpr double kNearEdge = 0.3;
 
 Vec3 toVec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 

@@ -58,8 +58,8 @@ double signedArea(const std::vector<PatchSide>& sides, const std::vector<bool>& 
 
 }  // namespace
 
-Handle(Geom2d_Curve) straightPcurve(const gp_Pnt2d& a, const gp_Pnt2d& b, double first,
-                                    double last) {
+Handle(Geom2d_Curve)
+    straightPcurve(const gp_Pnt2d& a, const gp_Pnt2d& b, double first, double last) {
   const double length = a.Distance(b);
   if (std::abs(length - (last - first)) <= 1e-12 * std::max(1.0, length) && length > 0) {
     const gp_Dir2d direction(b.X() - a.X(), b.Y() - a.Y());

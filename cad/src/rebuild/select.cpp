@@ -137,8 +137,7 @@ int settleDoubtful(std::vector<JudgedFace>& faces, double doubt) {
         continue;
       }
       const int g = gain(f);
-      if (g < bestGain ||
-          (g == bestGain && g < 0 && faces[f].deviation < faces[best].deviation)) {
+      if (g < bestGain || (g == bestGain && g < 0 && faces[f].deviation < faces[best].deviation)) {
         best = f;
         bestGain = g;
       }

@@ -218,7 +218,9 @@ Result<IsoSurface> isoSurface(const SurfaceDistance& surface, const IsoSurfaceOp
     best = std::move(*surfaceHere);
     const auto nodes = static_cast<std::int64_t>(grid->nodes().size());
     const bool cheap = 4 * nodes < kCheapNodes && halving < kCheapHalvings;
-    if ((halving >= kHalvings && !cheap) || 4 * nodes > kMaxNodes) return *best;
+    if ((halving >= kHalvings && !cheap) || 4 * nodes > options.mostRefinedNodes) {
+      return *best;
+    }
     const double depth = cheap ? kCheapDepth * gridOptions.spacing : kOrdinaryDepth * firstSpacing;
     // A small result on a grid chosen for the whole box: finer costs nothing.
     const bool crumb = !options.spacing && cheap && !best->mesh.triangles.empty() &&

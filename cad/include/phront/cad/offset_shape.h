@@ -17,7 +17,9 @@ struct OffsetOptions {
   double distance = 0;  ///< d, mm, signed: positive grows the solid, negative shrinks it
   std::optional<double> tolerance;  ///< mm, bound on the deviation; default 1 % of |d|
   int threads = 0;                  ///< 0: all cores
-  double exactTimeLimit = 50;       ///< s, all attempts at exact patches of one body together
+  /// s, > 0: all bodies and their checks together, shared out among attempts, facets and checks.
+  /// Writing and reading back come on top. What is not done by then is given up, with a sentence.
+  double timeLimit = 90;
 };
 
 /// How the faces of a body's offset came about.
