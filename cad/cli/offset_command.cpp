@@ -44,6 +44,7 @@ nlohmann::json jsonOf(const cad::OffsetReport& report) {
                       {"kind", wordFor(body.kind)},
                       {"input_faces", body.inputFaces},
                       {"exact_faces", body.exactFaces},
+                      {"fitted_faces", body.fittedFaces},
                       {"faceted_faces", body.facetedFaces},
                       {"solids", body.solids},
                       {"setting", body.setting},
@@ -73,13 +74,16 @@ void sayDetails(const OffsetArguments& arguments, const cad::OffsetReport& repor
 
 std::string summaryOf(const cad::OffsetReport& report) {
   int exact = 0;
+  int fitted = 0;
   int faceted = 0;
   for (const cad::BodyReport& body : report.bodies) {
     exact += body.exactFaces;
+    fitted += body.fittedFaces;
     faceted += body.facetedFaces;
   }
   const cad::CheckResult& check = report.check;
   std::string text = fmt::format("{} solid(s), {} exact faces", check.solids, exact);
+  if (fitted > 0) text += fmt::format(", {} fitted faces where exact ones left a gap", fitted);
   if (faceted > 0) text += fmt::format(", {} planar facets in place of curved faces", faceted);
   const double d = std::abs(report.options.distance);
   text += fmt::format(

@@ -28,6 +28,7 @@
 #include <cmath>
 #include <functional>
 
+#include "rebuild/fill_gaps.h"
 #include "rebuild/patch_tools.h"
 
 namespace phront::cad {
@@ -38,6 +39,9 @@ constexpr double kStep = 1e-3;
 /// Pieces narrower than this share of the diagonal have no area: no file can carry them, and sewing
 /// closes the gap they leave.
 constexpr double kNoWidth = 1e-6;
+/// How well a fitted patch meets its edges, of |d|, and how far it is sewn, in parts of that.
+constexpr double kPatchTolerance = 1e-4;
+constexpr double kPatchSewing = 3;
 /// Solids thinner than this share of the diagonal (volume over area) have no volume.
 constexpr double kNoVolume = 1e-7;
 
@@ -177,6 +181,22 @@ class Assembler {
     return finish(cellsOf(partsOf(sewing.SewedShape(), TopAbs_FACE)), "sewn pieces");
   }
 
+  /// The pieces with fitted patches in their gaps; a null shape when there is a gap without.
+  Assembly fromPatchedPieces() {
+    std::vector<TopoDS_Face> faces;
+    for (const TopoDS_Shape& face : live_) faces.push_back(TopoDS::Face(face));
+    const double tolerance = kPatchTolerance * std::abs(options_.distance);
+    const FilledGaps gaps = fillGaps(faces, {options_.distance, tolerance}, phi_);
+    if (gaps.patches.empty() || gaps.unfilled > 0) return {};
+    BRepBuilderAPI_Sewing sewing(std::max(options_.sewTolerance, kPatchSewing * tolerance));
+    for (const TopoDS_Face& face : faces) sewing.Add(face);
+    for (const TopoDS_Face& patch : gaps.patches) sewing.Add(patch);
+    sewing.Perform();
+    Assembly result = finish(cellsOf(partsOf(sewing.SewedShape(), TopAbs_FACE)), "patched pieces");
+    result.fittedFaces = static_cast<int>(gaps.patches.size());
+    return result;
+  }
+
   Assembly fromCells() {
     std::vector<TopoDS_Shape> all;
     for (const JudgedFace& j : faces_) all.push_back(j.face);
@@ -227,6 +247,7 @@ Assembly assembleSolids(const std::vector<JudgedFace>& faces, const AssembleOpti
   if (!assembler.mustSew()) ways.push_back([&] { return assembler.fromPieces(); });
   if (options.sewTolerance > 0 || assembler.mustSew())
     ways.push_back([&] { return assembler.fromSewnPieces(); });
+  ways.push_back([&] { return assembler.fromPatchedPieces(); });
   ways.push_back([&] { return assembler.fromCells(); });
   Assembly best;
   for (const auto& way : ways) {

@@ -17,14 +17,15 @@ struct AssembleOptions {
 };
 
 struct Assembly {
-  TopoDS_Shape shape;  ///< null when no solid came out
-  int openEdges = 0;   ///< edges not used exactly twice in their shell
-  std::string way;     ///< "pieces", "sewn pieces", "cells"
+  TopoDS_Shape shape;   ///< null when no solid came out
+  int openEdges = 0;    ///< edges not used exactly twice in their shell
+  int fittedFaces = 0;  ///< patches that close gaps
+  std::string way;      ///< "pieces", "sewn pieces", "patched pieces", "cells"
 };
 
-/// Solids bounded by the live pieces; tried in turn: the pieces as they are, sewn, and the cells
-/// that all pieces (dead ones too) divide space into. The first that closes wins, else the one with
-/// the fewest open edges.
+/// Solids bounded by the live pieces; tried in turn: the pieces as they are, sewn, with fitted
+/// patches in their gaps, and the cells that all pieces (dead ones too) divide space into. The
+/// first that closes wins, else the one with the fewest open edges.
 [[nodiscard]] Assembly assembleSolids(const std::vector<JudgedFace>& faces,
                                       const AssembleOptions& options, const TrueDistance& phi);
 

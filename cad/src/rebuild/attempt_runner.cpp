@@ -23,6 +23,7 @@
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
 #include "phront/cad/shape_occt.h"
+#include "rebuild/exchange_fault.h"
 
 namespace phront::cad {
 namespace {
@@ -46,9 +47,10 @@ struct Trial {
 
 // Bytes across the process border: 8 bytes of header length, JSON header, shape.
 std::string packAttempt(const AttemptResult& attempt) {
-  const nlohmann::json header = {{"raw", attempt.rawFaces},   {"split", attempt.splitFaces},
-                                 {"kept", attempt.keptFaces}, {"open", attempt.openEdges},
-                                 {"notes", attempt.notes},    {"empty", attempt.shape.IsNull()}};
+  const nlohmann::json header = {{"raw", attempt.rawFaces},        {"split", attempt.splitFaces},
+                                 {"kept", attempt.keptFaces},      {"open", attempt.openEdges},
+                                 {"fitted", attempt.fittedFaces},  {"notes", attempt.notes},
+                                 {"empty", attempt.shape.IsNull()}};
   const std::string text = header.dump();
   std::string bytes = fmt::format("{:08d}", text.size()) + text;
   if (!attempt.shape.IsNull()) bytes += bytesOfShape(attempt.shape);
@@ -63,6 +65,7 @@ Result<AttemptResult> unpackAttempt(const std::string& bytes) {
   attempt.splitFaces = header["split"];
   attempt.keptFaces = header["kept"];
   attempt.openEdges = header["open"];
+  attempt.fittedFaces = header["fitted"];
   attempt.notes = header["notes"].get<std::vector<std::string>>();
   if (!header["empty"].get<bool>()) {
     Result<TopoDS_Shape> shape = shapeOfBytes(std::string_view(bytes).substr(8 + headerSize));
@@ -107,8 +110,8 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
     return trial;
   }
   const std::string counts =
-      fmt::format("{} raw faces, {} pieces, {} kept, {} open edges", attempt->rawFaces,
-                  attempt->splitFaces, attempt->keptFaces, attempt->openEdges);
+      fmt::format("{} raw faces, {} pieces, {} kept, {} fitted", attempt->rawFaces,
+                  attempt->splitFaces, attempt->keptFaces, attempt->fittedFaces);
   if (attempt->shape.IsNull()) {
     say("nothing left; " + counts);
     return trial;
@@ -116,6 +119,7 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
   AcceptedAttempt accepted;
   accepted.bodies = bodiesOf(attempt->shape, body.kind, body.name);
   accepted.setting = setting.name;
+  accepted.fittedFaces = attempt->fittedFaces;
   Model in;
   in.bodies.push_back(body);
   Model out;
@@ -132,6 +136,8 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
   } else if (reference && !volumeAgrees(check->volume, *reference, options.distance)) {
     say(fmt::format("rejected: volume {:.6g} mm3, the front encloses {:.6g} mm3; {}", check->volume,
                     reference->volume, counts));
+  } else if (const std::string fault = exchangeFault(out, options.distance); !fault.empty()) {
+    say("rejected: " + fault + "; " + counts);
   } else {
     say("accepted; " + counts);
     accepted.check = *check;
@@ -164,7 +170,8 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
   AttemptLog log;
   for (std::size_t first = 0; first < settings.size() && !log.accepted; first += wave) {
     const double left = deadline.left();
-    if (left < kLeastAttempt || !progress.report(static_cast<double>(first) / settings.size())) break;
+    if (left < kLeastAttempt || !progress.report(static_cast<double>(first) / settings.size()))
+      break;
     const std::size_t count = std::min(wave, settings.size() - first);
     std::vector<Trial> trials(count);
     std::vector<std::thread> runners;  // they only wait for their child process

@@ -22,6 +22,7 @@ struct FrontReference {
 struct AcceptedAttempt {
   std::vector<Body> bodies;
   std::string setting;
+  int fittedFaces = 0;
   CheckResult check;
 };
 
@@ -31,9 +32,9 @@ struct AttemptLog {
 };
 
 /// Tries the settings in order (two at a time when threads allow) until one result passes the check
-/// and agrees with the reference (sheets have none), or the `deadline` is reached. With two at a time the
-/// earlier setting wins, so the choice does not depend on who finishes first.
-/// `healed` is offset and `phi` is its distance; results are checked against `body`, as read.
+/// and agrees with the reference (sheets have none), or the `deadline` is reached. With two at a
+/// time the earlier setting wins, so the choice does not depend on who finishes first. `healed` is
+/// offset and `phi` is its distance; results are checked against `body`, as read.
 [[nodiscard]] AttemptLog runAttempts(const Body& body, const Body& healed,
                                      const OffsetOptions& options, const TrueDistance& phi,
                                      const std::optional<FrontReference>& reference,

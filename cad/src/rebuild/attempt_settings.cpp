@@ -27,10 +27,8 @@ std::vector<AttemptSetting> attemptSettings() {
                       .dropDeadPatches = true,
                       .thinPairs = true,
                       .timeLimit = 25});
-  settings.push_back({.name = "all pairs",
-                      .smoothTolerance = 0.01,
-                      .dropDeadPatches = true,
-                      .timeLimit = 25});
+  settings.push_back(
+      {.name = "all pairs", .smoothTolerance = 0.01, .dropDeadPatches = true, .timeLimit = 25});
   return settings;
 }
 

@@ -167,7 +167,8 @@ void useFacets(const Body& body, const OffsetOptions& options, const TrueDistanc
   BodyReport& report = result.report;
   report.setting = "facets of the iso-surface";
   const Result<std::string> bytes =
-      runInChild("facets of the iso-surface", {deadline.forStep(kFacetShare, kLeastSeconds, kFacetSeconds), kFacetMemoryMiB},
+      runInChild("facets of the iso-surface",
+                 {deadline.forStep(kFacetShare, kLeastSeconds, kFacetSeconds), kFacetMemoryMiB},
                  [&] { return makeFacetSolid(options, phi, front); });
   if (!bytes) {
     report.check = failedCheck(bytes.error().message);
@@ -251,7 +252,8 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
     report.kind = OffsetKind::Exact;
     report.setting = log.accepted->setting;
     report.check = log.accepted->check;
-    report.exactFaces = report.check.faces;
+    report.fittedFaces = log.accepted->fittedFaces;
+    report.exactFaces = report.check.faces - report.fittedFaces;
   } else if (front) {
     if (!progress.part(0.8, 1, "facets").report(0))
       return fail(ErrorCode::Cancelled, "the offset was cancelled");

@@ -85,6 +85,7 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   Assembly assembly =
       solid ? assembleSolids(judged, options, phi) : assembleSheet(judged, options, phi);
   result.openEdges = assembly.openEdges;
+  result.fittedFaces = assembly.fittedFaces;
   result.shape = assembly.shape;
   if (result.shape.IsNull()) {
     return fail(ErrorCode::Failed,

@@ -31,6 +31,7 @@ struct AttemptResult {
   int splitFaces = 0;
   int keptFaces = 0;
   int openEdges = 0;
+  int fittedFaces = 0;             ///< patches that close gaps between the exact ones
   std::vector<std::string> notes;  ///< healing done, faces given up: one sentence each
 };
 

@@ -45,8 +45,8 @@ double raiseTolerance(const TopoDS_Edge& edge, const TopoDS_Face& face);
 void settleTolerances(const std::vector<TopoDS_Face>& faces);
 
 /// Straight line from a to b in (u,v) over the parameters [first, last].
-[[nodiscard]] Handle(Geom2d_Curve) straightPcurve(const gp_Pnt2d& a, const gp_Pnt2d& b,
-                                                  double first, double last);
+[[nodiscard]] Handle(Geom2d_Curve)
+    straightPcurve(const gp_Pnt2d& a, const gp_Pnt2d& b, double first, double last);
 
 /// Vertices found by place: apices shared by the patches that end there.
 class PointPool {

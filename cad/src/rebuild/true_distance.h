@@ -10,9 +10,9 @@
 namespace phront::cad {
 
 /// The nearest triangles give starting points, Newton on the exact faces, curves and trim borders
-/// gives the distance: the tessellation error disappears (round-off, ~1e-9 of the diagonal) wherever
-/// the refinement converges to within the chordal error; else the triangles' distance stands.
-/// Queries are const but not thread safe (OpenCASCADE adaptors cache).
+/// gives the distance: the tessellation error disappears (round-off, ~1e-9 of the diagonal)
+/// wherever the refinement converges to within the chordal error; else the triangles' distance
+/// stands. Queries are const but not thread safe (OpenCASCADE adaptors cache).
 class TrueDistance {
  public:
   /// `shape` is the shape the tessellation was made from.
@@ -20,12 +20,12 @@ class TrueDistance {
                                                   Tessellation tessellation);
 
   struct Foot {
-    double distance = 0;       ///< >= 0, to the exact shape
-    double meshDistance = 0;   ///< >= 0, to the triangles
-    double sign = 1;           ///< of phi, by the triangles' topology
-    Vec3 point = Vec3::Zero(); ///< on the exact shape
-    Feature feature;           ///< by the trimmed domain: face interior before edge before vertex
-    bool beyondBorder = false; ///< open shells: the foot lies on a free edge
+    double distance = 0;        ///< >= 0, to the exact shape
+    double meshDistance = 0;    ///< >= 0, to the triangles
+    double sign = 1;            ///< of phi, by the triangles' topology
+    Vec3 point = Vec3::Zero();  ///< on the exact shape
+    Feature feature;            ///< by the trimmed domain: face interior before edge before vertex
+    bool beyondBorder = false;  ///< open shells: the foot lies on a free edge
   };
   [[nodiscard]] Foot foot(const Vec3& x) const;
   [[nodiscard]] double signedDistance(const Vec3& x) const;

@@ -30,6 +30,7 @@ struct BodyReport {
   OffsetKind kind = OffsetKind::Failed;
   int inputFaces = 0;
   int exactFaces = 0;                 ///< result faces on exact offset surfaces
+  int fittedFaces = 0;                ///< result faces fitted where exact patches left a gap
   int facetedFaces = 0;               ///< planar facets that stand in for curved offset surfaces
   int solids = 0;                     ///< result solids
   std::string setting;                ///< which attempt the judge accepted

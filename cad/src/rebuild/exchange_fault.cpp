@@ -1,0 +1,91 @@
+#include "rebuild/exchange_fault.h"
+
+#include <fmt/format.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <BRep_Builder.hxx>
+#include <TopoDS_Compound.hxx>
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+#include "exchange/guard.h"
+#include "phront/cad/exchange.h"
+#include "phront/cad/shape_occt.h"
+#include "rebuild/check_topology.h"
+#include "rebuild/patch_tools.h"
+
+namespace phront::cad {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr GuardLimits kLimits{20, 2000};
+// What a user's programs tessellate a part with: of the diagonal, of |d|; rad.
+constexpr double kDeflectionOfDiagonal = 1e-4;
+constexpr double kDeflectionOfDistance = 0.02;
+constexpr double kAngle = 0.25;
+
+/// A folder of its own that goes with everything in it.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::error_code error;
+    std::string name = (fs::temp_directory_path(error) / "phront-XXXXXX").string();
+    std::vector<char> pattern(name.begin(), name.end());
+    pattern.push_back('\0');
+    if (!error && ::mkdtemp(pattern.data()) != nullptr) path_ = pattern.data();
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    if (!path_.empty()) fs::remove_all(path_, ignored);
+  }
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+std::string faultOf(const TopoDS_Shape& shape, bool solid, double distance) {
+  const TopologyFigures figures = measureTopology(shape);
+  if (solid && figures.solids == 0) return "the file holds no solid";
+  if (solid && !figures.closed()) return "read back from a file it is not closed";
+  if (!figures.valid) return "read back from a file it is not valid";
+  const double deflection = std::min(kDeflectionOfDiagonal * diagonalOf(shape),
+                                     kDeflectionOfDistance * std::abs(distance));
+  const int bad = facesWithoutTriangles(shape, deflection, kAngle);
+  if (bad > 0) return fmt::format("read back from a file {} faces cannot be tessellated", bad);
+  return {};
+}
+
+}  // namespace
+
+std::string exchangeFault(const Model& out, double distance) {
+  const TemporaryFolder folder;
+  if (folder.path().empty()) return {};  // no place to try it: the written result is checked anyway
+  const fs::path file = folder.path() / "result.step";
+  if (const Result<void> written = writeModel(out, file); !written) {
+    return written.error().message;
+  }
+  ReadOptions asWritten;
+  asWritten.repair = false;
+  const Result<Model> back = readModel(file, asWritten);
+  if (!back) return back.error().message;
+  const bool solid = std::any_of(out.bodies.begin(), out.bodies.end(),
+                                 [](const Body& b) { return b.kind == BodyKind::Solid; });
+  const Result<std::string> fault =
+      runInChild("looking at the file", kLimits, [&]() -> Result<std::string> {
+        const BRep_Builder builder;
+        TopoDS_Compound all;
+        builder.MakeCompound(all);
+        for (const Body& body : back->bodies) builder.Add(all, occtShape(body.shape));
+        return faultOf(all, solid, distance);
+      });
+  return fault ? *fault : fault.error().message;
+}
+
+}  // namespace phront::cad
