@@ -33,7 +33,7 @@ constexpr double kFinestDeflection = 4e-6;
 constexpr double kCoarsestDeflection = 3e-4;
 // Deviation at which facets are chosen, as a share of the tolerance. The tolerance bounds a 99th
 // percentile; this bounds the bulk.
-constexpr double kFacetShareOfTolerance = 0.35;
+constexpr double kFacetShareOfTolerance = 0.6;
 
 // How far a recognised plane, cylinder, ... may lie from the freeform face it stands for: of the
 // diagonal, and of |d|, so that it spends little of the tolerance.

@@ -30,9 +30,6 @@ constexpr Index kMaxAdded = 150'000;
 // Sides shorter than this share of the grid spacing are not split: three halvings take a chord's
 // deviation down to 1/64, what is left then is a missed crease.
 constexpr double kShortestOfSpacing = 0.12;
-// The collapse may use this multiple of the tolerance: floating points then halve the deviation on
-// curved surfaces.
-constexpr double kCollapseShare = 1.6;
 constexpr double kToleranceStep = 1.5;
 constexpr int kMaxRounds = 24;  // 1.5^24 = 17 000 times the tolerance
 
@@ -102,7 +99,7 @@ Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const Iso
   if (!progress.report(0.3)) return fail(ErrorCode::Cancelled, "Facetting was cancelled.");
 
   facet::Collapser collapser(mesh, context);
-  double tolerance = kCollapseShare * options.tolerance;
+  double tolerance = options.tolerance;
   for (int round = 0; round < kMaxRounds; ++round, tolerance *= kToleranceStep) {
     const auto collapsed = collapser.run(tolerance, progress.part(round == 0 ? 0.3 : 0.8, 0.9));
     if (!collapsed) return tl::unexpected<Error>(collapsed.error());

@@ -32,8 +32,6 @@ constexpr double kLargestTurn = 0.2;
 constexpr double kAgainstGradient = 0.5;
 // Points within this part of the diagonal of a line lie on it.
 constexpr double kCollinear = 1e-10;
-// Points within this part of the diagonal of a plane lie in it, as in the assignment of planes.
-constexpr double kOnPlane = 1e-12;
 // Progress is asked for once in so many collapses.
 constexpr int kProgressStride = 1024;
 // A pass over the changed surroundings again pays as long as it removes this part of the triangles.
@@ -125,6 +123,7 @@ Result<void> Collapser::run(double tolerance, const Progress& progress) {
 
 bool Collapser::tryCollapse(Index gone, Index kept) {
   if (mesh_.around[gone].size() + mesh_.around[kept].size() > kMaxSpokes) return false;
+  const auto& planes = mesh_.exactPlanes[kept];
   fan_.clear();
   lost_.clear();
   found_.clear();
@@ -132,7 +131,7 @@ bool Collapser::tryCollapse(Index gone, Index kept) {
     const Corners& c = mesh_.corners[t];
     const bool holdsBoth = c[0] == kept || c[1] == kept || c[2] == kept;
     (holdsBoth ? lost_ : fan_).push_back(t);
-    if (!holdsBoth && mesh_.plane[t] != kNone && !liesOn(kept, mesh_.plane[t])) return false;
+    if (!holdsBoth && mesh_.plane[t] != kNone && !contains(planes, mesh_.plane[t])) return false;
   }
   if (lost_.size() != 2 || !linkAllows(gone, kept) || !shapesAllow(gone, kept)) return false;
   const bool exact = isExact(gone, kept);
@@ -140,13 +139,6 @@ bool Collapser::tryCollapse(Index gone, Index kept) {
   if (!exact && !deviationAllows(gone, kept)) return false;
   apply(gone, kept);
   return true;
-}
-
-/// Also true for a plane that meets the point by chance, as where four planes have one corner.
-bool Collapser::liesOn(Index p, Index plane) const {
-  if (contains(mesh_.exactPlanes[p], plane)) return true;
-  const Plane& where = mesh_.planes[plane];
-  return std::abs(where.normal.dot(mesh_.points[p]) - where.offset) <= kOnPlane * context_.diagonal;
 }
 
 bool Collapser::linkAllows(Index gone, Index kept) const {
@@ -265,10 +257,6 @@ void Collapser::apply(Index gone, Index kept) {
   }
   for (std::size_t i = 0; i < fan_.size(); ++i) {
     const Index t = fan_[i];
-    auto& planes = mesh_.exactPlanes[kept];
-    if (mesh_.plane[t] != kNone && !contains(planes, mesh_.plane[t])) {
-      planes.insert(std::upper_bound(planes.begin(), planes.end(), mesh_.plane[t]), mesh_.plane[t]);
-    }
     mesh_.corners[t][mesh_.cornerOf(t, gone)] = kept;
     mesh_.around[kept].push_back(t);
     witnesses_[t].swap(moved_[i]);

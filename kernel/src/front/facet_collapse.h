@@ -49,7 +49,6 @@ class Collapser {
   void push(Index p, Index q);  ///< p onto q, unless hopeless
   [[nodiscard]] std::vector<Index> neighbours(Index p) const;
   [[nodiscard]] bool tryCollapse(Index gone, Index kept);
-  [[nodiscard]] bool liesOn(Index p, Index plane) const;
   [[nodiscard]] bool linkAllows(Index gone, Index kept) const;
   [[nodiscard]] bool shapesAllow(Index gone, Index kept);
   [[nodiscard]] bool isExact(Index gone, Index kept) const;

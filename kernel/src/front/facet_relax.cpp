@@ -2,8 +2,8 @@
 //
 // After the collapse all points lie on phi = d, so on curved surfaces all facets lie on one side of
 // it. Moving each point against the mean deviation of its facets by half of it puts the surface
-// between points and facets and halves the largest deviation. Points in a plane move inside it,
-// points of two and more planes stay. A move that would turn a facet is not made.
+// between points and facets and halves the largest deviation. Points in planes stay: their borders
+// bound polygons. A move that would turn a facet is not made.
 #include <algorithm>
 #include <cmath>
 
@@ -16,8 +16,6 @@ namespace {
 
 constexpr std::int64_t kGrain = 256;
 constexpr double kShare = 0.5;
-// In a plane a point can make good only that part of a deviation that lies along the plane.
-constexpr double kAlongPlane = 0.5;
 // Cosine of the largest turn of a facet, 18 degrees.
 constexpr double kLargestTurn = 0.95;
 
@@ -56,7 +54,7 @@ bool turnsNothing(const WorkMesh& mesh, const Context& context, Index p, const V
 void relax(WorkMesh& mesh, const Context& context, double tolerance) {
   const std::vector<double> deviation = deviations(mesh, context);
   for (Index p = 0; p < mesh.pointCount(); ++p) {
-    if (mesh.around[p].empty() || mesh.exactPlanes[p].size() > 1) continue;
+    if (mesh.around[p].empty() || !mesh.exactPlanes[p].empty()) continue;
     double mean = 0;
     double weight = 0;
     Vec3 direction = Vec3::Zero();
@@ -69,12 +67,6 @@ void relax(WorkMesh& mesh, const Context& context, double tolerance) {
     }
     if (!(weight > 0) || !(direction.norm() > 0)) continue;
     direction.normalize();
-    if (!mesh.exactPlanes[p].empty()) {
-      const Vec3& n = mesh.planes[mesh.exactPlanes[p].front()].normal;
-      direction -= n.dot(direction) * n;
-      if (direction.norm() < kAlongPlane) continue;
-      direction /= direction.squaredNorm();
-    }
     const double step = std::clamp(-kShare * mean / weight, -tolerance, tolerance);
     const Vec3 x = mesh.points[p] + step * direction;
     if (turnsNothing(mesh, context, p, x)) mesh.points[p] = x;
