@@ -5,18 +5,21 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <system_error>
+
+#include <TopLoc_Location.hxx>
+#include <TopoDS_Shape.hxx>
 
 #include "deadline.h"
 #include "phront/cad/exchange.h"
+#include "phront/cad/shape_occt.h"
+#include "rebuild/attempt_runner.h"
 #include "rebuild/body_offset.h"
 
 namespace phront::cad {
 namespace {
 
-// Reading back repeats the whole measurement on the file's own geometry with fewer samples: what
-// can differ from memory is what the format lost, and that shows everywhere.
-constexpr int kReadBackSamples = 6000;
 // Of the time left, for the bodies; the rest is for the check of the whole.
 constexpr double kBodiesShare = 0.8;
 constexpr double kLeastBodySeconds = 2;
@@ -46,6 +49,34 @@ void addTimes(std::vector<StageTime>& sum, const std::vector<StageTime>& times) 
     else
       same->seconds += time.seconds;
   }
+}
+
+// An instance of the same part as body i before it: assemblies place one shape many times.
+std::optional<std::size_t> earlierTwin(const Model& model, std::size_t i) {
+  const TopoDS_Shape& shape = occtShape(model.bodies[i].shape);
+  for (std::size_t j = 0; j < i; ++j) {
+    const TopoDS_Shape& other = occtShape(model.bodies[j].shape);
+    if (model.bodies[j].kind == model.bodies[i].kind && !shape.IsNull() && !other.IsNull() &&
+        shape.IsPartner(other) && shape.Orientation() == other.Orientation()) {
+      return j;
+    }
+  }
+  return std::nullopt;
+}
+
+TopLoc_Location moveBetween(const Body& from, const Body& to) {
+  return occtShape(to.shape).Location() * occtShape(from.shape).Location().Inverted();
+}
+
+// Of the time left for bodies i and on, by the number of faces; twins take none.
+double shareOfTime(const Model& model, std::size_t i) {
+  constexpr double kOverhead = 5;  // faces' worth of what every body costs
+  const auto weight = [&](std::size_t j) { return faceCount(model.bodies[j].shape) + kOverhead; };
+  double all = weight(i);
+  for (std::size_t j = i + 1; j < model.bodies.size(); ++j) {
+    if (!earlierTwin(model, j)) all += weight(j);
+  }
+  return weight(i) / all;
 }
 
 // The check of the whole: of the only body, or of all together (bodies may come to overlap).
@@ -91,15 +122,33 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
   const double count = static_cast<double>(model.bodies.size());
   const Deadline deadline(options->timeLimit);
   const double forBodies = model.bodies.size() > 1 ? kBodiesShare : 1;
+  std::vector<std::size_t> firstResult(model.bodies.size() + 1, 0);  // in result.model, by body
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const Progress part = progress.part(0.95 * static_cast<double>(i) / count,
                                         0.95 * static_cast<double>(i + 1) / count);
+    firstResult[i] = result.model.bodies.size();
+    if (const std::optional<std::size_t> twin = earlierTwin(model, i)) {
+      const TopLoc_Location move = moveBetween(model.bodies[*twin], model.bodies[i]);
+      for (std::size_t k = firstResult[*twin]; k < firstResult[*twin + 1]; ++k) {
+        Body body = result.model.bodies[k];
+        body.name = model.bodies[i].name;
+        body.shape = makeShape(occtShape(body.shape).Moved(move));
+        result.model.bodies.push_back(std::move(body));
+      }
+      firstResult[i + 1] = result.model.bodies.size();
+      BodyReport same = report.bodies[*twin];
+      same.name = model.bodies[i].name;
+      same.attempts = {fmt::format("the same part as body {}, moved", *twin + 1)};
+      report.bodies.push_back(std::move(same));
+      continue;
+    }
     OffsetOptions bodyOptions = *options;
-    const double share = 1 / (count - static_cast<double>(i));
-    bodyOptions.timeLimit = deadline.forStep(forBodies * share, kLeastBodySeconds, 1e6);
+    bodyOptions.timeLimit =
+        deadline.forStep(forBodies * shareOfTime(model, i), kLeastBodySeconds, options->timeLimit);
     Result<BodyOffset> offset = offsetBody(model.bodies[i], bodyOptions, part);
     if (!offset) return tl::unexpected(offset.error());
     for (Body& body : offset->bodies) result.model.bodies.push_back(std::move(body));
+    firstResult[i + 1] = result.model.bodies.size();
     addTimes(report.times, offset->times);
     report.bodies.push_back(std::move(offset->report));
   }
@@ -138,7 +187,7 @@ Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
       CheckOptions options;
       options.distance = result.report.options.distance;
       options.tolerance = result.report.options.tolerance;
-      options.samples = kReadBackSamples;
+      options.samples = kOfferedSamples;
       const Result<CheckResult> again = checkOffset(in, *back, options);
       if (!again)
         check.reasons.push_back("the written file cannot be checked: " + again.error().message);

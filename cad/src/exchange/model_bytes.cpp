@@ -2,6 +2,9 @@
 // both ends are the same program).
 #include "exchange/model_bytes.h"
 
+#include <BRep_Builder.hxx>
+#include <TopoDS_Compound.hxx>
+#include <TopoDS_Iterator.hxx>
 #include <cstdint>
 #include <cstring>
 
@@ -83,12 +86,18 @@ std::string bytesOfModel(const Model& model) {
   writer.real(model.unitInMm);
   writer.texts(model.warnings);
   writer.number(model.bodies.size());
+  // All in one compound, so that what bodies share stays shared: instances of one part.
+  const BRep_Builder builder;
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
   for (const Body& body : model.bodies) {
     writer.number(body.kind == BodyKind::Solid ? 0 : 1);
     writer.text(body.name);
     writer.texts(body.faceNames);
-    writer.text(body.shape.empty() ? std::string() : bytesOfShape(occtShape(body.shape)));
+    writer.number(body.shape.empty() ? 0 : 1);
+    if (!body.shape.empty()) builder.Add(all, occtShape(body.shape));
   }
+  writer.text(bytesOfShape(all));
   return writer.take();
 }
 
@@ -98,20 +107,26 @@ Result<Model> modelOfBytes(std::string_view bytes) {
   model.unit = reader.text();
   model.unitInMm = reader.real();
   model.warnings = reader.texts();
+  std::vector<bool> hasShape;
   for (std::uint64_t n = reader.number(); n > 0 && reader.good(); --n) {
     Body body;
     body.kind = reader.number() == 0 ? BodyKind::Solid : BodyKind::Sheet;
     body.name = reader.text();
     body.faceNames = reader.texts();
-    const std::string_view shapeBytes = reader.text();
-    if (!shapeBytes.empty()) {
-      auto shape = shapeOfBytes(shapeBytes);
-      if (!shape) return tl::unexpected<Error>(shape.error());
-      body.shape = makeShape(std::move(*shape));
-    }
+    hasShape.push_back(reader.number() != 0);
     model.bodies.push_back(std::move(body));
   }
+  const std::string_view shapeBytes = reader.text();
   if (!reader.good()) return fail(ErrorCode::Failed, "a model in memory is cut short");
+  const auto all = shapeOfBytes(shapeBytes);
+  if (!all) return tl::unexpected<Error>(all.error());
+  TopoDS_Iterator shape(*all);
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    if (!hasShape[b]) continue;
+    if (!shape.More()) return fail(ErrorCode::Failed, "a model in memory lacks a body");
+    model.bodies[b].shape = makeShape(shape.Value());
+    shape.Next();
+  }
   return model;
 }
 

@@ -127,6 +127,7 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
   CheckOptions checkOptions;
   checkOptions.distance = options.distance;
   checkOptions.tolerance = options.tolerance;
+  checkOptions.samples = kOfferedSamples;
   checkOptions.timeLimit = deadline.forStep(1, kLeastCheckSeconds, kCheckSeconds);
   const Result<CheckResult> check = checkOffset(in, out, checkOptions);
   if (!check) {

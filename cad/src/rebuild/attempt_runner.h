@@ -19,6 +19,10 @@ struct FrontReference {
   double spacing = 0;  ///< mm, its grid
 };
 
+/// Samples of a check before a result is offered: kCheckStrictness leaves room for their noise. The
+/// user's own check takes more.
+inline constexpr int kOfferedSamples = 6000;
+
 struct AcceptedAttempt {
   std::vector<Body> bodies;
   std::string setting;

@@ -130,6 +130,7 @@ Result<CheckResult> checkBody(const Body& body, const std::vector<Body>& result,
   CheckOptions check;
   check.distance = options.distance;
   check.tolerance = options.tolerance;
+  check.samples = kOfferedSamples;
   check.timeLimit = deadline.forStep(1, kLeastSeconds, kCheckSeconds);
   return checkOffset(in, out, check);
 }
