@@ -23,6 +23,8 @@ namespace {
 // Of the time left, for the bodies; the rest is for the check of the whole.
 constexpr double kBodiesShare = 0.8;
 constexpr double kLeastBodySeconds = 2;
+// Each, for reading the written file back and for checking what was read.
+constexpr double kReadBackSeconds = 20;
 constexpr double kLeastCheckSeconds = 10;
 
 Result<OffsetOptions> resolve(const Model& model, OffsetOptions options) {
@@ -180,6 +182,7 @@ Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
   if (check.pass()) {
     ReadOptions asWritten;
     asWritten.repair = false;
+    asWritten.timeLimit = kReadBackSeconds;
     const Result<Model> back = readModel(aside, asWritten);
     if (!back) {
       check.reasons.push_back("the written file cannot be read back: " + back.error().message);
@@ -188,6 +191,7 @@ Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
       options.distance = result.report.options.distance;
       options.tolerance = result.report.options.tolerance;
       options.samples = kOfferedSamples;
+      options.timeLimit = kReadBackSeconds;
       const Result<CheckResult> again = checkOffset(in, *back, options);
       if (!again)
         check.reasons.push_back("the written file cannot be checked: " + again.error().message);

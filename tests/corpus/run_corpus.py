@@ -15,6 +15,7 @@ import argparse
 import concurrent.futures
 import csv
 import fnmatch
+import hashlib
 import json
 import os
 import signal
@@ -233,6 +234,8 @@ def main() -> int:
             for row in rows
             if args.again or (row["name"], percent) not in cases
         ]
+        # Scattered, the same way every time: a run that is stopped is an even sample.
+        todo.sort(key=lambda item: hashlib.md5(f"{item[0]['name']} {item[1]:+g}".encode()).digest())
         lock = threading.Lock()
 
         def work(item: tuple[dict, float]) -> None:

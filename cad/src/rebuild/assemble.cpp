@@ -39,6 +39,8 @@ constexpr double kStep = 1e-3;
 /// Pieces narrower than this share of the diagonal have no area: no file can carry them, and sewing
 /// closes the gap they leave.
 constexpr double kNoWidth = 1e-6;
+/// Share of the live area that a complete result may leave out: doubles and strays.
+constexpr double kUnusedArea = 5e-3;
 /// How well a fitted patch meets its edges, of |d|, and how far it is sewn, in parts of that.
 constexpr double kPatchTolerance = 1e-4;
 constexpr double kPatchSewing = 3;
@@ -86,15 +88,20 @@ bool hasVolume(const TopoDS_Shape& solid, double diagonal) {
   return volume.Mass() > kNoVolume * diagonal * area.Mass();
 }
 
-bool hasWidth(const TopoDS_Shape& face, double width) {
+double areaOf(const TopoDS_Shape& shape) {
   GProp_GProps area;
-  BRepGProp::SurfaceProperties(face, area);
+  BRepGProp::SurfaceProperties(shape, area);
+  return std::abs(area.Mass());
+}
+
+bool hasWidth(const TopoDS_Shape& face, double area, double width) {
   double perimeter = 0;
   for (const TopoDS_Edge& edge : edgesOf(TopoDS::Face(face))) {
-    if (!BRep_Tool::Degenerated(edge))
+    if (!BRep_Tool::Degenerated(edge)) {
       perimeter += GCPnts_AbscissaPoint::Length(BRepAdaptor_Curve(edge));
+    }
   }
-  return std::abs(area.Mass()) > 0.5 * width * perimeter;
+  return area > 0.5 * width * perimeter;
 }
 
 class Assembler {
@@ -105,8 +112,10 @@ class Assembler {
     for (std::size_t i = 0; i < faces.size(); ++i) {
       index_.Bind(faces[i].face, static_cast<int>(i));
       if (!faces[i].live) continue;
-      if (hasWidth(faces[i].face, kNoWidth * options.diagonal)) {
+      const double area = areaOf(faces[i].face);
+      if (hasWidth(faces[i].face, area, kNoWidth * options.diagonal)) {
         live_.push_back(faces[i].face);
+        liveArea_ += area;
       } else {
         hasSlivers_ = true;
       }
@@ -156,6 +165,8 @@ class Assembler {
     if (result.shape.IsNull()) return result;
     if (!BRepCheck_Analyzer(result.shape).IsValid()) repair(result);
     result.openEdges = countOpenEdges(result.shape);
+    // Of several solids one that does not close is simply not there.
+    if (areaOf(result.shape) < (1 - kUnusedArea) * liveArea_) ++result.openEdges;
     return result;
   }
 
@@ -187,8 +198,9 @@ class Assembler {
     for (const TopoDS_Shape& face : live_) faces.push_back(TopoDS::Face(face));
     const double tolerance = kPatchTolerance * std::abs(options_.distance);
     const FilledGaps gaps = fillGaps(faces, {options_.distance, tolerance}, phi_);
-    if (gaps.patches.empty() || gaps.unfilled > 0) return {};
-    BRepBuilderAPI_Sewing sewing(std::max(options_.sewTolerance, kPatchSewing * tolerance));
+    if ((gaps.patches.empty() && gaps.sewing == 0) || gaps.unfilled > 0) return {};
+    BRepBuilderAPI_Sewing sewing(
+        std::max({options_.sewTolerance, kPatchSewing * tolerance, gaps.sewing}));
     for (const TopoDS_Face& face : faces) sewing.Add(face);
     for (const TopoDS_Face& patch : gaps.patches) sewing.Add(patch);
     sewing.Perform();
@@ -216,6 +228,7 @@ class Assembler {
   AssembleOptions options_;
   const TrueDistance& phi_;
   std::vector<TopoDS_Shape> live_;
+  double liveArea_ = 0;
   bool hasSlivers_ = false;
   TopTools_DataMapOfShapeInteger index_;
 };

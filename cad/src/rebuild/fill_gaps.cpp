@@ -22,7 +22,9 @@
 #include <TopoDS_Vertex.hxx>
 #include <TopoDS_Wire.hxx>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -40,6 +42,9 @@ constexpr double kSmall = 0.3;
 constexpr double kFlatness = 0.05;
 // The box of a patch around poles, in reaches of its gap: beyond it the patch has swung out.
 constexpr double kLargestBox = 8;
+// Slits up to this width, of |d|, are sewn; to this multiple of their width.
+constexpr double kThinSlit = 0.01;
+constexpr double kSlitSewing = 1.5;
 constexpr int kEdgePoints = 5;
 constexpr int kProjectionSteps = 6;
 // Points inside the gap: this part of the way from its middle to points of its edges.
@@ -119,6 +124,28 @@ std::vector<Vec3> pointsAlong(const Loop& loop) {
     }
   }
   return points;
+}
+
+/// Largest distance of the two sides of a slit; infinite for loops of more than two edges.
+double slitWidth(const Loop& loop) {
+  if (loop.size() != 2) return std::numeric_limits<double>::infinity();
+  constexpr int kPoints = 33;
+  std::array<std::vector<Vec3>, 2> sides;
+  for (std::size_t k = 0; k < 2; ++k) {
+    const BRepAdaptor_Curve curve(loop[k]);
+    for (int i = 0; i < kPoints; ++i) {
+      sides[k].push_back(
+          toVec(curve.Value(curve.FirstParameter() +
+                            (curve.LastParameter() - curve.FirstParameter()) * i / (kPoints - 1))));
+    }
+  }
+  double width = 0;
+  for (const Vec3& p : sides[0]) {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const Vec3& q : sides[1]) nearest = std::min(nearest, (p - q).norm());
+    width = std::max(width, nearest);
+  }
+  return width;
 }
 
 /// The plane of a flat loop, which keeps the edges as they are; null when it is not flat.
@@ -214,6 +241,11 @@ FilledGaps fillGaps(const std::vector<TopoDS_Face>& faces, const GapOptions& opt
     return result;
   }
   for (const Loop& loop : loopsOf(open, result.unfilled)) {
+    const double slit = slitWidth(loop);
+    if (slit <= kThinSlit * std::abs(options.distance)) {
+      result.sewing = std::max(result.sewing, kSlitSewing * slit);
+      continue;
+    }
     std::optional<TopoDS_Face> patch;
     try {
       patch = patchFor(loop, options, phi);

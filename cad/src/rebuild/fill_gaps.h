@@ -15,7 +15,8 @@ struct GapOptions {
 
 struct FilledGaps {
   std::vector<TopoDS_Face> patches;
-  int unfilled = 0;  ///< loops of open edges that no patch could be made for
+  double sewing = 0;  ///< mm, closes the slits that are too thin for a patch; 0: there are none
+  int unfilled = 0;   ///< loops of open edges that no patch could be made for
 };
 
 /// One patch for each closed loop of edges that the faces use once, through points of phi = d

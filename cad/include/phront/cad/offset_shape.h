@@ -19,7 +19,7 @@ struct OffsetOptions {
   int threads = 0;                  ///< 0: all cores
   /// s, > 0: all bodies and their checks together, shared out among attempts, facets and checks.
   /// Writing and reading back come on top. What is not done by then is given up, with a sentence.
-  double timeLimit = 90;
+  double timeLimit = 75;
 };
 
 /// How the faces of a body's offset came about.
