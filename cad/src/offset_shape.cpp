@@ -23,6 +23,8 @@ namespace {
 // Of the time left, for the bodies; the rest is for the check of the whole.
 constexpr double kBodiesShare = 0.8;
 constexpr double kLeastBodySeconds = 2;
+// Bodies with faults: mostly in vain, so not for long.
+constexpr double kInvalidBodySeconds = 20;
 // Each, for reading the written file back and for checking what was read.
 constexpr double kReadBackSeconds = 20;
 constexpr double kLeastCheckSeconds = 10;
@@ -147,8 +149,16 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
     OffsetOptions bodyOptions = *options;
     bodyOptions.timeLimit =
         deadline.forStep(forBodies * shareOfTime(model, i), kLeastBodySeconds, options->timeLimit);
-    Result<BodyOffset> offset = offsetBody(model.bodies[i], bodyOptions, part);
+    const Body& body = model.bodies[i];
+    if (!body.valid) bodyOptions.timeLimit = std::min(bodyOptions.timeLimit, kInvalidBodySeconds);
+    Result<BodyOffset> offset = offsetBody(body, bodyOptions, part);
     if (!offset) return tl::unexpected(offset.error());
+    if (!body.valid && offset->report.kind == OffsetKind::Failed) {
+      return fail(ErrorCode::UnreadableInput,
+                  fmt::format("body {}{} is not valid (OpenCASCADE's check) and has no offset that "
+                              "passes: repair it in the CAD system it comes from",
+                              i + 1, body.name.empty() ? "" : " '" + body.name + "'"));
+    }
     for (Body& body : offset->bodies) result.model.bodies.push_back(std::move(body));
     firstResult[i + 1] = result.model.bodies.size();
     addTimes(report.times, offset->times);

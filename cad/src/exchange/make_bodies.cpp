@@ -175,6 +175,7 @@ class BodyMaker {
     body.shape = makeShape(repaired.shape);
     body.kind = repaired.solid ? BodyKind::Solid : BodyKind::Sheet;
     body.name = name;
+    body.valid = repaired.valid;
     if (options_.repair) checkTolerance(repaired.shape, name);
     if (options_.repair && !repaired.solid) checkSheet(repaired.shape, name);
     model_.bodies.push_back(std::move(body));

@@ -92,6 +92,7 @@ std::string bytesOfModel(const Model& model) {
   builder.MakeCompound(all);
   for (const Body& body : model.bodies) {
     writer.number(body.kind == BodyKind::Solid ? 0 : 1);
+    writer.number(body.valid ? 1 : 0);
     writer.text(body.name);
     writer.texts(body.faceNames);
     writer.number(body.shape.empty() ? 0 : 1);
@@ -111,6 +112,7 @@ Result<Model> modelOfBytes(std::string_view bytes) {
   for (std::uint64_t n = reader.number(); n > 0 && reader.good(); --n) {
     Body body;
     body.kind = reader.number() == 0 ? BodyKind::Solid : BodyKind::Sheet;
+    body.valid = reader.number() != 0;
     body.name = reader.text();
     body.faceNames = reader.texts();
     hasShape.push_back(reader.number() != 0);

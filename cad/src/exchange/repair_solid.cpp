@@ -265,7 +265,8 @@ std::vector<RepairedBody> repairSolid(const TopoDS_Shape& solid, RepairContext& 
         better.IsNull()
             ? context.label + " is not valid (OpenCASCADE's check) and could not be healed"
             : context.label + " was not valid (OpenCASCADE's check): healed, its volume unchanged");
-    if (!better.IsNull()) result = better;
+    if (better.IsNull()) return {{result, true, false}};
+    result = better;
   }
   return {{result, true}};
 }

@@ -14,6 +14,7 @@ namespace phront::cad {
 struct RepairedBody {
   TopoDS_Shape shape;  ///< TopoDS_Solid or TopoDS_Shell
   bool solid = false;
+  bool valid = true;  ///< false: a fault that could not be healed
 };
 
 struct RepairContext {

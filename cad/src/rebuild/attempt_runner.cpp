@@ -151,12 +151,19 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
 
 std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::string& name) {
   std::vector<Body> bodies;
+  const auto add = [&](const TopoDS_Shape& part) {
+    Body body;
+    body.shape = makeShape(part);
+    body.kind = kind;
+    body.name = name;
+    bodies.push_back(std::move(body));
+  };
   const TopAbs_ShapeEnum type = kind == BodyKind::Solid ? TopAbs_SOLID : TopAbs_SHELL;
   for (TopExp_Explorer part(shape, type); part.More(); part.Next())
-    bodies.push_back({makeShape(part.Current()), kind, name, {}});
+    add(part.Current());
   if (kind == BodyKind::Sheet) {
     for (TopExp_Explorer face(shape, TopAbs_FACE, TopAbs_SHELL); face.More(); face.Next())
-      bodies.push_back({makeShape(face.Current()), kind, name, {}});
+      add(face.Current());
   }
   return bodies;
 }

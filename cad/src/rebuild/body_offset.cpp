@@ -45,6 +45,8 @@ constexpr double kRecognitionMemoryMiB = 2000;
 constexpr double kAttemptShare = 0.6;
 constexpr double kOnlyAttemptsShare = 0.9;
 constexpr double kFacetShare = 0.6;
+constexpr double kTessellateShare = 0.3;
+constexpr double kFrontShare = 0.35;
 // Bounds of the seconds for facets and for one measurement of the result.
 constexpr double kLeastSeconds = 3;
 constexpr double kFacetSeconds = 40;
@@ -72,12 +74,17 @@ double deflectionFor(double distance, double diagonal) {
                     kCoarsestDeflection * diagonal);
 }
 
-Result<TrueDistance> prepareDistance(const Body& body, double distance) {
+Result<TrueDistance> prepareDistance(const Body& body, double distance, double seconds) {
   TessellateOptions tessellation;
   tessellation.distance = std::abs(distance);
   tessellation.deflection = deflectionFor(distance, diagonalOf(occtShape(body.shape)));
   tessellation.smoothTolerance = tessellation.deflection;
+  tessellation.timeLimit = seconds;
   Result<Tessellation> mesh = tessellate(body, tessellation);
+  if (!mesh && mesh.error().code == ErrorCode::Failed) {
+    return fail(ErrorCode::UnreadableInput, "the part cannot be measured: " + mesh.error().message +
+                                                " Repair it in the CAD system it comes from.");
+  }
   if (!mesh) return tl::unexpected(mesh.error());
   return TrueDistance::build(occtShape(body.shape), std::move(*mesh));
 }
@@ -206,7 +213,8 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
     return fail(ErrorCode::Cancelled, "the offset was cancelled");
   const Body healed = withElementarySurfaces(body, options.distance, report.attempts);
   clock.lap("heal");
-  Result<TrueDistance> phi = prepareDistance(healed, options.distance);
+  Result<TrueDistance> phi = prepareDistance(healed, options.distance,
+                                             deadline.forStep(kTessellateShare, kLeastSeconds, 45));
   if (!phi) return tl::unexpected(phi.error());
   clock.lap("tessellate");
 
@@ -218,14 +226,22 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
     isoOptions.level = options.distance;
     isoOptions.mostRefinedNodes = kMostFrontNodes;
     isoOptions.threads = options.threads;
-    Result<IsoSurface> iso =
-        isoSurface(phi->surface(), isoOptions, progress.part(0.1, 0.3, "front"));
-    if (!iso && iso.error().code == ErrorCode::Cancelled) return tl::unexpected(iso.error());
+    const Progress part = progress.part(0.1, 0.3, "front");
+    const Deadline frontDeadline(kFrontShare * deadline.left());
+    bool stopped = false;  // by the user, not by the time
+    const Progress timed([&](double fraction, std::string_view) {
+      stopped = stopped || !part.report(fraction);
+      return !stopped && frontDeadline.left() > 0;
+    });
+    Result<IsoSurface> iso = isoSurface(phi->surface(), isoOptions, timed);
+    if (stopped) return fail(ErrorCode::Cancelled, "the offset was cancelled");
     if (iso) {
       front = std::move(*iso);
       reference = {signedVolume(front->mesh), area(front->mesh), front->spacing};
     } else {
-      report.attempts.push_back("front: " + iso.error().message);
+      report.attempts.push_back(iso.error().code == ErrorCode::Cancelled
+                                    ? "front: given up for want of time"
+                                    : "front: " + iso.error().message);
     }
     clock.lap("front");
   }

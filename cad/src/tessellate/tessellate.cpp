@@ -25,7 +25,6 @@
 namespace phront::cad {
 namespace {
 
-constexpr double kTimeLimit = 45;      // s, one try
 constexpr double kMemoryLimit = 6144;  // MiB
 constexpr double kCoarser = 8;  // of the deflection, each time a try takes too long or crashes
 constexpr double kDefaultSmoothAngle = 1e-3;   // rad, when no distance is given
@@ -232,7 +231,7 @@ Result<Tessellation> tessellate(const Body& body, const TessellateOptions& optio
   }
   Result<std::string> bytes = fail(ErrorCode::Failed, "not tried");
   for (const double factor : {1.0, kCoarser, kCoarser * kCoarser}) {
-    bytes = runInChild("tessellating", {kTimeLimit, kMemoryLimit}, [&]() -> Result<std::string> {
+    bytes = runInChild("tessellating", {options.timeLimit, kMemoryLimit}, [&]() -> Result<std::string> {
       return guardOcct("tessellating", [&]() -> Result<std::string> {
         const auto here = tessellateHere(occtShape(body.shape), body.kind == BodyKind::Solid,
                                          options, factor * options.deflection);

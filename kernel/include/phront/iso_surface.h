@@ -37,6 +37,7 @@ struct IsoSurface {
 /// Extracts phi = d from tiles around the level, places points on creases where feet of different
 /// features meet, projects each point to |phi - d| <= 1e-9 diag against the mesh.
 /// Same input, same bits at any thread count.
+/// Cancelled while it refines for thin features: gives the surface it has, refined = false.
 /// Fails with InvalidArgument, ResourceLimit, Cancelled.
 [[nodiscard]] Result<IsoSurface> isoSurface(const SurfaceDistance& surface,
                                             const IsoSurfaceOptions& options,

@@ -66,6 +66,11 @@ Result<void> check(const IsoSurfaceOptions& options) {
   return {};
 }
 
+/// A refinement may be given up: it was our own wish.
+bool isGivenUp(const Error& error) {
+  return error.code == ErrorCode::ResourceLimit || error.code == ErrorCode::Cancelled;
+}
+
 /// One extraction at one spacing.
 class Extraction {
  public:
@@ -208,12 +213,15 @@ Result<IsoSurface> isoSurface(const SurfaceDistance& surface, const IsoSurfaceOp
                                  progress.part(done, done + 0.25, "iso-surface: field"));
     if (!grid) {
       // A finer grid was our own wish: what is there already stays the answer.
-      if (best && grid.error().code == ErrorCode::ResourceLimit) return *best;
+      if (best && isGivenUp(grid.error())) return *best;
       return tl::unexpected(grid.error());
     }
     auto surfaceHere = Extraction(surface, local, *grid, options.threads)
                            .run(progress.part(done + 0.25, done + 0.5, "iso-surface: vertices"));
-    if (!surfaceHere) return tl::unexpected(surfaceHere.error());
+    if (!surfaceHere) {
+      if (best && isGivenUp(surfaceHere.error())) return *best;
+      return tl::unexpected(surfaceHere.error());
+    }
     surfaceHere->refined = refined;
     best = std::move(*surfaceHere);
     const auto nodes = static_cast<std::int64_t>(grid->nodes().size());

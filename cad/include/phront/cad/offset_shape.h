@@ -60,7 +60,8 @@ struct OffsetResult {
 /// Offsets every body on its own. Solids give closed solids (or nothing, when thinner than 2|d|
 /// everywhere); sheets give one sheet at signed distance d on the side of their normals.
 /// Always judged; a result that fails its judge is still returned, `accepted()` is then false.
-/// Fails with InvalidArgument, Failed, ResourceLimit, Cancelled.
+/// Fails with InvalidArgument, UnreadableInput (a part that cannot be measured, or is not valid and
+/// has no offset that passes), Failed, ResourceLimit, Cancelled.
 [[nodiscard]] Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& options,
                                                const Progress& progress = {});
 

@@ -9,8 +9,8 @@
 
 namespace phront::cad {
 
-/// A B-Rep shape. Copies share the same immutable geometry. OpenCASCADE's own type is reached through
-/// the opt-in header shape_occt.h.
+/// A B-Rep shape. Copies share the same immutable geometry. OpenCASCADE's own type is reached
+/// through the opt-in header shape_occt.h.
 class Shape {
  public:
   Shape() = default;
@@ -30,15 +30,16 @@ enum class BodyKind { Solid, Sheet };
 struct Body {
   Shape shape;
   BodyKind kind = BodyKind::Solid;
-  std::string name;                    ///< from the file, else empty
+  std::string name;   ///< from the file, else empty
   std::vector<std::string> faceNames;  ///< per face in file order; empty strings where unnamed
+  bool valid = true;  ///< false: read with faults (OpenCASCADE's check) that could not be healed
 };
 
 /// What a file holds. Everything is in mm, whatever the file's unit.
 struct Model {
   std::vector<Body> bodies;
-  std::string unit = "mm";     ///< the file's own length unit
-  double unitInMm = 1;         ///< one unit of the file in mm
+  std::string unit = "mm";            ///< the file's own length unit
+  double unitInMm = 1;                ///< one unit of the file in mm
   std::vector<std::string> warnings;  ///< one sentence each: what was assumed or repaired
 };
 

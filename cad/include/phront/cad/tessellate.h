@@ -55,8 +55,9 @@ struct TessellateOptions {
   double deflection = 0;  ///< mm, > 0: largest distance of the triangles from the surface
   double angle = 0.35;    ///< rad, largest angle between neighbouring triangles on curved faces
   double smoothTolerance =
-      0;                ///< mm: an edge is smooth when |d| * dihedral stays below; see distance
-  double distance = 0;  ///< mm, the |d| that smoothTolerance refers to; 0: smooth below 1e-3 rad
+      0;                  ///< mm: an edge is smooth when |d| * dihedral stays below; see distance
+  double distance = 0;    ///< mm, the |d| that smoothTolerance refers to; 0: smooth below 1e-3 rad
+  double timeLimit = 45;  ///< s, one try of up to three
 };
 
 /// A triangle side on a B-Rep edge, smooth edges and seams included.
