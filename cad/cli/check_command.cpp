@@ -29,7 +29,8 @@ void print(const cad::CheckResult& check, double distance) {
              check.closed ? "closed" : "NOT closed");
   line("deviation", check.accuracyP99, check.accuracyMax);
   line("coverage", check.coverageP99, check.coverageMax);
-  fmt::print("{:.4g} % of the area on the right side\n", 100 * check.rightSide);
+  fmt::print("{:.4g} % of the area on the right side, {:.4g} % where the result overlaps itself\n",
+             100 * check.rightSide, 100 * check.buried);
   if (check.pass()) {
     fmt::print("PASS: OUT is the offset of IN by {:g} mm\n", distance);
     return;

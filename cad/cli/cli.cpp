@@ -165,6 +165,7 @@ nlohmann::json jsonOf(const cad::CheckResult& check) {
           {"coverage_p99_mm", check.coverageP99},
           {"coverage_max_mm", check.coverageMax},
           {"right_side", check.rightSide},
+          {"overlapping", check.buried},
           {"true_offset_empty", check.trueOffsetEmpty},
           {"worst_point", {check.worstPoint.x(), check.worstPoint.y(), check.worstPoint.z()}}};
 }

@@ -12,9 +12,9 @@
 #include <TopoDS_Shape.hxx>
 
 #include "deadline.h"
+#include "judge/check_body.h"
 #include "phront/cad/exchange.h"
 #include "phront/cad/shape_occt.h"
-#include "rebuild/attempt_runner.h"
 #include "rebuild/body_offset.h"
 
 namespace phront::cad {

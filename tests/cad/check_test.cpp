@@ -24,9 +24,9 @@
 
 #include <gtest/gtest.h>
 
+#include "judge/check_sampling.h"
+#include "judge/check_topology.h"
 #include "phront/cad/shape_occt.h"
-#include "rebuild/check_sampling.h"
-#include "rebuild/check_topology.h"
 
 namespace phront::cad {
 namespace {
@@ -243,6 +243,23 @@ TEST(Check, FailsMissingSecondSolid) {
 TEST(Check, FailsOverlapLeftIn) {
   const TopoDS_Shape in = together(sphere(10), sphere(10, 23));
   EXPECT_TRUE(says(check(in, together(sphere(12), sphere(12, 23)), 2), "inaccurate"));
+}
+
+TEST(Check, FailsTheSameSolidTwice) {
+  // Valid, closed and everywhere at its distance: only that space is filled twice tells.
+  const TopoDS_Shape right = roundedBox(100, 60, 40, 5);
+  const auto result = checkOffset(modelOf({box(100, 60, 40)}), modelOf({right, right}), quick(5));
+  ASSERT_TRUE(result.has_value());
+  EXPECT_EQ(result->buried, 1);
+  EXPECT_TRUE(says(*result, "overlaps itself"));
+}
+
+TEST(Check, MeasuresHowMuchOfTwoSolidsLiesInEachOther) {
+  // Spheres of radius 12 about points 12 apart: each has a cap of height 6 in the other, a quarter.
+  const auto result =
+      checkOffset(modelOf({sphere(10)}), modelOf({sphere(12), sphere(12, 12)}), quick(2));
+  ASSERT_TRUE(result.has_value());
+  EXPECT_NEAR(result->buried, 0.25, 0.02);
 }
 
 TEST(Check, FailsASolidTurnedInsideOut) {

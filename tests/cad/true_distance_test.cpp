@@ -1,4 +1,4 @@
-#include "rebuild/true_distance.h"
+#include "tessellate/true_distance.h"
 
 #include <gtest/gtest.h>
 

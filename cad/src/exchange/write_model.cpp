@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
+#include <BRepAdaptor_Surface.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <IFSelect_ReturnStatus.hxx>
@@ -17,7 +18,9 @@
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <XSControl_TransferWriter.hxx>
 #include <XSControl_WorkSession.hxx>
@@ -74,6 +77,16 @@ void nameProducts(STEPControl_Writer& writer, const std::vector<std::string>& na
   }
 }
 
+// Curves in the parameters of planes say nothing that the planes do not; without them a polyhedron's
+// file has a third of the size and is read three times as fast.
+bool needsParameterCurves(const TopoDS_Shape& shape) {
+  for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
+    const BRepAdaptor_Surface surface(TopoDS::Face(face.Current()), Standard_False);
+    if (surface.GetType() != GeomAbs_Plane) return true;
+  }
+  return false;
+}
+
 Result<std::string> stepBytes(const Model& model) {
   STEPControl_Writer writer;
   Interface_Static::SetCVal("write.step.schema", "AP214IS");
@@ -84,6 +97,7 @@ Result<std::string> stepBytes(const Model& model) {
     products.push_back(
         stepString(body.name.empty() ? fmt::format("body {}", products.size() + 1) : body.name));
     const TopoDS_Shape& shape = occtShape(body.shape);
+    Interface_Static::SetIVal("write.surfacecurve.mode", needsParameterCurves(shape) ? 1 : 0);
     if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone) return refused(body, "STEP");
     nameItem(writer, shape, body.name);
     TopTools_IndexedMapOfShape faces;

@@ -48,7 +48,7 @@
 #include <vector>
 
 #include "heal/elementary_fit.h"
-#include "rebuild/patch_tools.h"
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 namespace {

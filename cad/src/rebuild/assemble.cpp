@@ -28,8 +28,8 @@
 #include <cmath>
 #include <functional>
 
+#include "patches/patch_tools.h"
 #include "rebuild/fill_gaps.h"
-#include "rebuild/patch_tools.h"
 
 namespace phront::cad {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "rebuild/select.h"
-#include "rebuild/true_distance.h"
+#include "tessellate/true_distance.h"
 
 namespace phront::cad {
 

@@ -2,10 +2,6 @@
 // settings are not even monotone, so several are tried and each result is judged; the first that
 // passes wins. Every trial runs in a child of its own, since General Fuse crashes, loops and eats
 // memory.
-//
-// Two checks decide. checkOffset measures validity, deviation and coverage. The volume enclosed by
-// the iso-surface is the second witness: a self-overlapping solid can be valid, closed and
-// everywhere at distance d.
 
 #include "rebuild/attempt_runner.h"
 
@@ -22,8 +18,9 @@
 
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
+#include "judge/check_body.h"
+#include "judge/exchange_fault.h"
 #include "phront/cad/shape_occt.h"
-#include "rebuild/exchange_fault.h"
 
 namespace phront::cad {
 namespace {
@@ -42,7 +39,8 @@ double secondsSince(Clock::time_point start) {
 
 struct Trial {
   std::string line;
-  std::optional<AcceptedAttempt> accepted;
+  std::optional<JudgedAttempt> judged;
+  bool accepted = false;
 };
 
 // Bytes across the process border: 8 bytes of header length, JSON header, shape.
@@ -75,17 +73,8 @@ Result<AttemptResult> unpackAttempt(const std::string& bytes) {
   return attempt;
 }
 
-// The grid of the reference loses slivers thinner than itself and rounds creases by O(h^2) in their
-// section; both are far below this share of the skin of thickness |d|.
-bool volumeAgrees(double volume, const FrontReference& reference, double distance) {
-  const double allowed = 0.01 * reference.volume +
-                         0.05 * reference.area * std::min(std::abs(distance), reference.spacing);
-  return std::abs(volume - reference.volume) <= allowed;
-}
-
 Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& options,
-               const TrueDistance& phi, const std::optional<FrontReference>& reference,
-               const AttemptSetting& setting, const Deadline& deadline) {
+               const TrueDistance& phi, const AttemptSetting& setting, const Deadline& deadline) {
   const Clock::time_point start = Clock::now();
   Trial trial;
   const auto say = [&](const std::string& outcome) {
@@ -116,34 +105,22 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
     say("nothing left; " + counts);
     return trial;
   }
-  AcceptedAttempt accepted;
-  accepted.bodies = bodiesOf(attempt->shape, body.kind, body.name);
-  accepted.setting = setting.name;
-  accepted.fittedFaces = attempt->fittedFaces;
-  Model in;
-  in.bodies.push_back(body);
-  Model out;
-  out.bodies = accepted.bodies;
-  CheckOptions checkOptions;
-  checkOptions.distance = options.distance;
-  checkOptions.tolerance = options.tolerance;
-  checkOptions.samples = kOfferedSamples;
-  checkOptions.timeLimit = deadline.forStep(1, kLeastCheckSeconds, kCheckSeconds);
-  const Result<CheckResult> check = checkOffset(in, out, checkOptions);
-  if (!check) {
-    say(check.error().message + "; " + counts);
-  } else if (!check->pass()) {
-    say("rejected: " + check->reasons.front() + "; " + counts);
-  } else if (reference && !volumeAgrees(check->volume, *reference, options.distance)) {
-    say(fmt::format("rejected: volume {:.6g} mm3, the front encloses {:.6g} mm3; {}", check->volume,
-                    reference->volume, counts));
-  } else if (const std::string fault = exchangeFault(out, options.distance); !fault.empty()) {
-    say("rejected: " + fault + "; " + counts);
-  } else {
-    say("accepted; " + counts);
-    accepted.check = *check;
-    trial.accepted = std::move(accepted);
+  JudgedAttempt judged;
+  judged.bodies = bodiesOf(attempt->shape, body.kind, body.name);
+  judged.setting = setting.name;
+  judged.fittedFaces = attempt->fittedFaces;
+  judged.check = checkBody(body, judged.bodies, options,
+                           deadline.forStep(1, kLeastCheckSeconds, kCheckSeconds));
+  CheckResult& check = judged.check;
+  if (check.pass()) {
+    Model out;
+    out.bodies = judged.bodies;
+    if (std::string fault = exchangeFault(out, options.distance); !fault.empty())
+      check.reasons.push_back(std::move(fault));
   }
+  trial.accepted = check.pass();
+  say((trial.accepted ? "accepted; " : "rejected: " + check.reasons.front() + "; ") + counts);
+  trial.judged = std::move(judged);
   return trial;
 }
 
@@ -159,8 +136,7 @@ std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::
     bodies.push_back(std::move(body));
   };
   const TopAbs_ShapeEnum type = kind == BodyKind::Solid ? TopAbs_SOLID : TopAbs_SHELL;
-  for (TopExp_Explorer part(shape, type); part.More(); part.Next())
-    add(part.Current());
+  for (TopExp_Explorer part(shape, type); part.More(); part.Next()) add(part.Current());
   if (kind == BodyKind::Sheet) {
     for (TopExp_Explorer face(shape, TopAbs_FACE, TopAbs_SHELL); face.More(); face.Next())
       add(face.Current());
@@ -169,12 +145,13 @@ std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::
 }
 
 AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions& options,
-                       const TrueDistance& phi, const std::optional<FrontReference>& reference,
-                       const Deadline& deadline, const Progress& progress) {
+                       const TrueDistance& phi, const Deadline& deadline,
+                       const Progress& progress) {
   const std::vector<AttemptSetting> settings = attemptSettings();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
   const std::size_t wave = threads >= 2 ? 2 : 1;
+  const bool sheet = body.kind == BodyKind::Sheet;
   AttemptLog log;
   for (std::size_t first = 0; first < settings.size() && !log.accepted; first += wave) {
     const double left = deadline.left();
@@ -187,13 +164,18 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
       runners.emplace_back([&, i] {
         AttemptSetting setting = settings[first + i];
         setting.timeLimit = std::min(setting.timeLimit, left);
-        trials[i] = runTrial(body, healed, options, phi, reference, setting, deadline);
+        trials[i] = runTrial(body, healed, options, phi, setting, deadline);
       });
     }
     for (std::thread& runner : runners) runner.join();
     for (Trial& trial : trials) {
       log.lines.push_back(trial.line);
-      if (trial.accepted && !log.accepted) log.accepted = std::move(trial.accepted);
+      if (!trial.judged) continue;
+      const CheckResult& check = trial.judged->check;
+      if (trial.accepted && !log.accepted)
+        log.accepted = std::move(trial.judged);
+      else if (!trial.accepted && !log.rejected && check.valid && (check.closed || sheet))
+        log.rejected = std::move(trial.judged);
     }
   }
   return log;

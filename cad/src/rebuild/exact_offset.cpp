@@ -10,11 +10,11 @@
 #include <utility>
 
 #include "heal/heal.h"
+#include "patches/patch_tools.h"
+#include "patches/raw_complex.h"
 #include "rebuild/assemble.h"
 #include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
-#include "rebuild/patch_tools.h"
-#include "rebuild/raw_complex.h"
 #include "rebuild/select.h"
 
 namespace phront::cad {

@@ -28,7 +28,7 @@
 #include <map>
 #include <optional>
 
-#include "rebuild/patch_tools.h"
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 namespace {

@@ -4,7 +4,7 @@
 #include <TopoDS_Face.hxx>
 #include <vector>
 
-#include "rebuild/true_distance.h"
+#include "tessellate/true_distance.h"
 
 namespace phront::cad {
 

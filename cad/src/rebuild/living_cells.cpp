@@ -17,7 +17,7 @@
 #include <cmath>
 #include <queue>
 
-#include "rebuild/patch_tools.h"
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 namespace {

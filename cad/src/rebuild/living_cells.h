@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "phront/types.h"
-#include "rebuild/true_distance.h"
+#include "tessellate/true_distance.h"
 
 namespace phront::cad {
 

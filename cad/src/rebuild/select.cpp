@@ -18,7 +18,7 @@
 #include <cmath>
 #include <map>
 
-#include "rebuild/patch_tools.h"
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 namespace {

@@ -6,7 +6,7 @@
 #include <gp_Vec.hxx>
 #include <vector>
 
-#include "rebuild/true_distance.h"
+#include "tessellate/true_distance.h"
 
 namespace phront::cad {
 

@@ -32,12 +32,13 @@ struct IsoSurface {
   double spacing = 0;               ///< h that was used
   double maxResidual = 0;           ///< measured max |phi - d| over the points
   bool refined = false;             ///< cells thinner than h were met and resolved
+  bool unresolved = false;          ///< the same, but a finer grid was not allowed
 };
 
 /// Extracts phi = d from tiles around the level, places points on creases where feet of different
 /// features meet, projects each point to |phi - d| <= 1e-9 diag against the mesh.
 /// Same input, same bits at any thread count.
-/// Cancelled while it refines for thin features: gives the surface it has, refined = false.
+/// Cancelled while it refines for thin features: gives the surface it has, unresolved.
 /// Fails with InvalidArgument, ResourceLimit, Cancelled.
 [[nodiscard]] Result<IsoSurface> isoSurface(const SurfaceDistance& surface,
                                             const IsoSurfaceOptions& options,

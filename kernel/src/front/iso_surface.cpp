@@ -226,17 +226,19 @@ Result<IsoSurface> isoSurface(const SurfaceDistance& surface, const IsoSurfaceOp
     best = std::move(*surfaceHere);
     const auto nodes = static_cast<std::int64_t>(grid->nodes().size());
     const bool cheap = 4 * nodes < kCheapNodes && halving < kCheapHalvings;
-    if ((halving >= kHalvings && !cheap) || 4 * nodes > options.mostRefinedNodes) {
-      return *best;
-    }
+    if (halving >= kHalvings && !cheap) return *best;
     const double depth = cheap ? kCheapDepth * gridOptions.spacing : kOrdinaryDepth * firstSpacing;
     // A small result on a grid chosen for the whole box: finer costs nothing.
     const bool crumb = !options.spacing && cheap && !best->mesh.triangles.empty() &&
                        best->mesh.triangles.size() < kCrumbTriangles;
+    const bool allowed = 4 * nodes <= options.mostRefinedNodes;
+    if (crumb && !allowed) return *best;
     if (!crumb) {
       const auto hidden = hidesThinFeature(surface, *grid, best->mesh, depth, options.threads);
       if (!hidden) return tl::unexpected(hidden.error());
       if (!*hidden) return *best;
+      best->unresolved = true;  // until the next grid resolves it
+      if (!allowed) return *best;
       refined = true;
     }
     gridOptions.spacing /= 2;

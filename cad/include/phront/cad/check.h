@@ -1,4 +1,5 @@
-// Measures whether OUT is the offset of IN at distance d: the judge phront puts before its own door.
+// Measures whether OUT is the offset of IN at distance d: the judge phront puts before its own
+// door.
 #pragma once
 
 #include <optional>
@@ -16,26 +17,28 @@ namespace phront::cad {
 inline constexpr double kCheckStrictness = 0.8;
 
 struct CheckOptions {
-  double distance = 0;                ///< d, mm, signed
-  std::optional<double> tolerance = std::nullopt;  ///< mm, bound on 99th percentiles; default 1 % of |d|
-  int samples = 20'000;               ///< over the whole surface, and at least 20 on each face
-  double timeLimit = 60;              ///< s, for the guarded child that measures
+  double distance = 0;  ///< d, mm, signed
+  std::optional<double> tolerance =
+      std::nullopt;       ///< mm, bound on 99th percentiles; default 1 % of |d|
+  int samples = 20'000;   ///< over the whole surface, and at least 20 on each face
+  double timeLimit = 60;  ///< s, for the guarded child that measures
 };
 
-/// All lengths in mm. "accuracy" samples OUT against the true IN; "coverage" samples the true offset,
-/// built from IN alone, against OUT.
+/// All lengths in mm. "accuracy" samples OUT against the true IN; "coverage" samples the true
+/// offset, built from IN alone, against OUT.
 struct CheckResult {
   int solids = 0;
   int shells = 0;
   int faces = 0;
-  bool valid = false;          ///< BRepCheck
-  bool closed = false;         ///< every edge used exactly twice in its shell
-  double volume = 0;           ///< mm^3
-  double accuracyP99 = 0;      ///< 99th percentile of | dist(OUT, IN) - |d| |, by area
+  bool valid = false;      ///< BRepCheck
+  bool closed = false;     ///< every edge used exactly twice in its shell
+  double volume = 0;       ///< mm^3
+  double accuracyP99 = 0;  ///< 99th percentile of | dist(OUT, IN) - |d| |, by area
   double accuracyMax = 0;
   double coverageP99 = 0;
   double coverageMax = 0;
-  double rightSide = 1;        ///< share of OUT's area on the right side of IN
+  double rightSide = 1;          ///< share of OUT's area on the right side of IN
+  double buried = 0;             ///< share of OUT's area inside OUT: solids that overlap
   bool trueOffsetEmpty = false;  ///< no point of IN has an offset: the right answer is "nothing"
   int untessellatedFaces = 0;
   Vec3 worstPoint = Vec3::Zero();
@@ -46,11 +49,11 @@ struct CheckResult {
 /// Independent of how OUT was made. An empty OUT model asks "is the true offset empty?".
 /// Passes when OUT is valid; closed with positive volume in every solid; when 99 % of its area and
 /// of the true offset deviate by at most `tolerance`, no point by more than 10 times that, and
-/// 99.9 % of the area is on the right side; all of it times kCheckStrictness. Single points are
-/// searched for, not only sampled. Rounded convex edges ("arc" join) are what is right. The same
-/// input gives the same figures.
-/// Sheets are judged one-sided: no sidedness, no closedness. Guarded: never crashes or hangs.
-/// Fails with InvalidArgument (d = 0 or NaN), Failed (IN cannot be tessellated), ResourceLimit.
+/// 99.9 % of the area is on the right side and 99.8 % not inside OUT itself; all of it times
+/// kCheckStrictness. Single points are searched for, not only sampled. Rounded convex edges ("arc"
+/// join) are what is right. The same input gives the same figures. Sheets are judged one-sided: no
+/// sidedness, no closedness. Guarded: never crashes or hangs. Fails with InvalidArgument (d = 0 or
+/// NaN), Failed (IN cannot be tessellated), ResourceLimit.
 [[nodiscard]] Result<CheckResult> checkOffset(const Model& in, const Model& out,
                                               const CheckOptions& options,
                                               const Progress& progress = {});

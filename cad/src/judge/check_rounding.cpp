@@ -22,7 +22,7 @@
 #include <cmath>
 #include <optional>
 
-#include "rebuild/check_sampling.h"
+#include "judge/check_sampling.h"
 #include "tessellate/face_surface.h"
 
 namespace phront::cad {

@@ -1,7 +1,7 @@
 // Every edge of a patch carries its exact 3D curve first (line, circle, image of a parameter
 // curve); the parameter curve on a new face is then a straight segment over the same range, and the
 // distance between the two is measured and written into the tolerances instead of being assumed.
-#include "rebuild/patch_tools.h"
+#include "patches/patch_tools.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>

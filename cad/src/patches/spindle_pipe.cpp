@@ -13,7 +13,7 @@
 #include <gp_Ax3.hxx>
 #include <gp_Circ.hxx>
 
-#include "rebuild/pipe.h"
+#include "patches/pipe.h"
 
 namespace phront::cad {
 namespace {

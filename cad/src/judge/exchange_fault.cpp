@@ -1,4 +1,4 @@
-#include "rebuild/exchange_fault.h"
+#include "judge/exchange_fault.h"
 
 #include <fmt/format.h>
 #include <stdlib.h>
@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "exchange/guard.h"
+#include "judge/check_topology.h"
+#include "patches/patch_tools.h"
 #include "phront/cad/exchange.h"
 #include "phront/cad/shape_occt.h"
-#include "rebuild/check_topology.h"
-#include "rebuild/patch_tools.h"
 
 namespace phront::cad {
 namespace {

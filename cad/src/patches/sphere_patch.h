@@ -5,8 +5,8 @@
 #include <TopoDS_Vertex.hxx>
 #include <vector>
 
-#include "rebuild/offset_face.h"
-#include "rebuild/patch_tools.h"
+#include "patches/offset_face.h"
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 

@@ -3,7 +3,7 @@
 // Requicha 1986). Straight edges give cylinders, circles give tori (spindle_pipe.cpp), the rest a
 // swept surface. The two long sides are the images of the edge in its faces, the short sides arcs
 // about its ends.
-#include "rebuild/pipe.h"
+#include "patches/pipe.h"
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepLib.hxx>

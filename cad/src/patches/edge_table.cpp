@@ -1,7 +1,7 @@
 // Convexity is sampled: the angle between the two outward normals, signed by the edge's direction
 // in the first face, (n1 x n2).t > 0 for a convex edge. An edge may change from convex to concave;
 // it gets a pipe when it is convex anywhere.
-#include "rebuild/edge_table.h"
+#include "patches/edge_table.h"
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRep_Tool.hxx>
@@ -13,7 +13,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rebuild/patch_tools.h"
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 namespace {

@@ -4,7 +4,7 @@
 // that neighbours by construction meet topologically.
 // Weak spot: a freeform face with curvature radius below |d| in a part of it has an image that cuts
 // itself; the selection cannot see that.
-#include "rebuild/offset_face.h"
+#include "patches/offset_face.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepLib.hxx>
@@ -24,8 +24,8 @@
 #include <gp_Torus.hxx>
 #include <set>
 
-#include "rebuild/axis_trim.h"
-#include "rebuild/patch_tools.h"
+#include "patches/axis_trim.h"
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 namespace {

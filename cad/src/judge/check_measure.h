@@ -1,7 +1,7 @@
 // The figures of the check: accuracy, side and coverage of one result against one input.
 #pragma once
 
-#include "rebuild/check_sampling.h"
+#include "judge/check_sampling.h"
 
 namespace phront::cad {
 
@@ -18,6 +18,7 @@ struct AccuracyFigures {
   double max = 0;
   double shareBeyond = 0;  ///< of OUT's area with an error above the tolerance
   double rightSide = 1;    ///< of OUT's area
+  double buried = 0;       ///< of OUT's area: inside OUT, which overlaps itself there
   Vec3 worst = Vec3::Zero();
 };
 

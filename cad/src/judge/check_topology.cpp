@@ -4,7 +4,7 @@
 // BRepGProp), solid by solid: a solid turned inside out must not hide behind a larger good one.
 // Weak spot: BRepGProp returns huge numbers for some broken faces; a volume above that of the
 // bounding box is therefore taken as no volume at all.
-#include "rebuild/check_topology.h"
+#include "judge/check_topology.h"
 
 #include <BRepBndLib.hxx>
 #include <BRepCheck_Analyzer.hxx>

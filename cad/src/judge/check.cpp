@@ -19,9 +19,9 @@
 #include <fmt/format.h>
 
 #include "exchange/guard.h"
+#include "judge/check_measure.h"
+#include "judge/check_topology.h"
 #include "phront/cad/shape_occt.h"
-#include "rebuild/check_measure.h"
-#include "rebuild/check_topology.h"
 
 namespace phront::cad {
 namespace {
@@ -32,6 +32,7 @@ constexpr double kDefaultTolerance = 0.01;  // of |d|
 constexpr double kMaxFactor = 10;           // largest deviation allowed, in tolerances
 constexpr double kShareBeyond = 0.01;       // of the area may deviate more than the tolerance
 constexpr double kWrongSide = 0.001;        // of the area may lie on the wrong side
+constexpr double kBuried = 0.002;           // of the area may lie inside the result
 // Fewer sampled points than this do not prove that something is left: other samples find none.
 constexpr int kFewestKept = 5;
 // The triangles start the exact search, carry the sides and screen search points: fine against the
@@ -97,6 +98,7 @@ std::string bytesOf(const Figures& f) {
                                  a.max,
                                  a.shareBeyond,
                                  a.rightSide,
+                                 a.buried,
                                  toJson(a.worst),  //
                                  c.p99,
                                  c.max,
@@ -126,7 +128,7 @@ Figures figuresOf(const std::string& bytes) {
   ArrayReader read(json);
   read >> t.solids >> t.shells >> t.faces >> t.valid >> t.freeEdges >> t.overusedEdges;
   read >> t.looseFaces >> t.volume >> t.badSolids;
-  read >> a.p99 >> a.max >> a.shareBeyond >> a.rightSide >> a.worst;
+  read >> a.p99 >> a.max >> a.shareBeyond >> a.rightSide >> a.buried >> a.worst;
   read >> c.p99 >> c.max >> c.shareBeyond >> c.kept >> c.firm >> c.found >> c.keptShare;
   read >> c.worst >> c.anyKept;
   read >> f.outEmpty >> f.solidIn >> f.untessellated >> f.inError >> f.outError;
@@ -201,6 +203,11 @@ void judgeAccuracy(const Figures& f, double tolerance, std::vector<std::string>&
         fmt::format("The result is inaccurate in places: it deviates by {:.3g} mm near {}.", a.max,
                     at(a.worst)));
   }
+  // Valid, closed and everywhere at its distance is a solid that overlaps itself, too.
+  if (!(a.buried <= kCheckStrictness * kBuried)) {
+    reasons.push_back(fmt::format(
+        "The result overlaps itself: {:.3g} % of its area lies inside it.", 100 * a.buried));
+  }
   if (!(1 - a.rightSide <= kCheckStrictness * kWrongSide)) {
     reasons.push_back(
         fmt::format("{:.3g} % of the result's area lies on the wrong side of the "
@@ -252,6 +259,7 @@ CheckResult judge(const Figures& f, double tolerance) {
   result.coverageP99 = f.coverage.p99;
   result.coverageMax = f.coverage.max;
   result.rightSide = f.accuracy.rightSide;
+  result.buried = f.accuracy.buried;
   result.trueOffsetEmpty = f.coverage.kept + f.coverage.found == 0;
   result.untessellatedFaces = f.untessellated;
   result.worstPoint = f.coverage.max > f.accuracy.max ? f.coverage.worst : f.accuracy.worst;

@@ -6,7 +6,7 @@
 // Strata of equal area within each face keep the variance of the percentiles low (Cochran, Sampling
 // Techniques, 1977, ch. 5). Weak spot: weights are areas of triangles, not of the curved faces; the
 // difference is second order in the angle between neighbouring triangles.
-#include "rebuild/check_sampling.h"
+#include "judge/check_sampling.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +22,10 @@ constexpr double kDeflectionSlack = 4;
 // Triangles that deviate less than this share of the deflection asked for are planes: as good as
 // exact.
 constexpr double kPlanarShare = 1e-4;
+
+// Where the sides of a triangle are looked at, in heights; flatter ones than this have none.
+constexpr double kBesideSurface = 1e-3;
+constexpr double kLeastHeight = 1e-6;
 
 double triangleArea(const TriMesh& mesh, std::size_t t) {
   const auto& c = mesh.triangles[t];
@@ -135,6 +139,31 @@ bool ModelDistance::inside(const Vec3& x) const {
     if (std::abs(part.distance.surface().windingNumber(x)) > 0.5) return true;
   }
   return false;
+}
+
+double ModelDistance::winding(const Vec3& x) const {
+  double sum = 0;
+  for (const Part& part : parts_) {
+    if (part.solid && part.distance.surface().box().contains(x))
+      sum += part.distance.surface().windingNumber(x);
+  }
+  return sum;
+}
+
+bool ModelDistance::buried(std::size_t body, Index triangle) const {
+  const TriMesh& mesh = parts_[body].distance.tessellation().mesh;
+  const auto& corners = mesh.triangles[static_cast<std::size_t>(triangle)];
+  const auto corner = [&](int k) -> const Vec3& {
+    return mesh.points[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
+  };
+  double longest = 0;
+  for (int k = 0; k < 3; ++k) longest = std::max(longest, (corner((k + 1) % 3) - corner(k)).norm());
+  const Vec3 twiceArea = (corner(1) - corner(0)).cross(corner(2) - corner(0));
+  const double height = twiceArea.norm() / longest;
+  if (!parts_[body].solid || !(height > kLeastHeight * longest)) return false;
+  const Vec3 middle = (corner(0) + corner(1) + corner(2)) / 3;
+  const Vec3 step = kBesideSurface * height * twiceArea.normalized();
+  return winding(middle + step) > 0.5 || winding(middle - step) > 1.5;
 }
 
 SurfaceSample ModelDistance::sampleAt(std::size_t body, Index triangle, const Vec3& bary) const {

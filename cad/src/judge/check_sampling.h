@@ -9,7 +9,7 @@
 
 #include "phront/cad/shape.h"
 #include "phront/status.h"
-#include "rebuild/true_distance.h"
+#include "tessellate/true_distance.h"
 
 namespace phront::cad {
 
@@ -62,6 +62,9 @@ class ModelDistance {
   [[nodiscard]] double distance(const Vec3& x) const;      ///< to the exact shape, >= 0
   [[nodiscard]] double meshDistance(const Vec3& x) const;  ///< to the triangles, >= 0
   [[nodiscard]] bool inside(const Vec3& x) const;          ///< inside any solid, by winding number
+  /// Do solids overlap at this triangle, themselves or one another: is its outer side inside one,
+  /// or its inner side inside two? False on sheets.
+  [[nodiscard]] bool buried(std::size_t body, Index triangle) const;
 
   [[nodiscard]] std::size_t bodyCount() const { return parts_.size(); }
   [[nodiscard]] const TrueDistance& body(std::size_t i) const { return parts_[i].distance; }
@@ -81,6 +84,8 @@ class ModelDistance {
                                                           SampleRng& rng) const;
 
  private:
+  [[nodiscard]] double winding(const Vec3& x) const;  // of all solids together
+
   struct Part {
     TopoDS_Shape shape;
     bool solid = false;

@@ -10,7 +10,7 @@
 // never asked which of them cut it off.
 // Weak spots: a slot or wall within 1.2e-3 |d| of closing or vanishing is read as open; defects
 // both smaller than the sampling and not reached by the climb are missed.
-#include "rebuild/check_measure.h"
+#include "judge/check_measure.h"
 
 #include <algorithm>
 #include <array>
@@ -275,6 +275,7 @@ AccuracyFigures measureAccuracy(const ModelDistance& in, const ModelDistance& ou
   std::vector<Scored> seeds;
   double right = 0;
   double sided = 0;
+  double buried = 0;
   const std::vector<SurfaceSample> samples = statisticSamples(out, options, rng);
   const std::size_t stride = samples.size() / kSideSamples + 1;
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -282,10 +283,14 @@ AccuracyFigures measureAccuracy(const ModelDistance& in, const ModelDistance& ou
     seeds.push_back({s, error(s)});
     errors.add(seeds.back().score, s.weight);
     if (!in.hasSolids() || i % stride != 0) continue;
+    if (out.buried(s.body, s.triangle)) buried += s.weight;
     sided += s.weight;
     if (in.inside(s.point) == (options.distance < 0)) right += s.weight;
   }
-  if (sided > 0) figures.rightSide = right / sided;
+  if (sided > 0) {
+    figures.rightSide = right / sided;
+    figures.buried = buried / sided;
+  }
   figures.p99 = errors.quantile(0.99);
   figures.shareBeyond = errors.shareAbove(options.tolerance);
 

@@ -8,7 +8,7 @@
 // as it is, since in loosely made models edge directions and face normals disagree by more than any
 // fine angular tolerance.
 // Weak spot: vertices where a face is singular (a pole) have no edge directions there.
-#include "rebuild/sphere_patch.h"
+#include "patches/sphere_patch.h"
 
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>

@@ -5,8 +5,8 @@
 #include <optional>
 #include <vector>
 
-#include "rebuild/edge_table.h"
-#include "rebuild/patch_tools.h"
+#include "patches/edge_table.h"
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 

@@ -6,7 +6,7 @@
 // Handled: faces that are rectangles in (u,v), which is what turning and drilling make. The radius
 // about the axis, signed along the profile, decides: rho(v) for the face, rho'(v) for the image.
 // Weak spot: faces of other outline are left to the plain image.
-#include "rebuild/axis_trim.h"
+#include "patches/axis_trim.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepTools.hxx>
@@ -28,7 +28,7 @@
 #include <gp_Cone.hxx>
 #include <gp_Torus.hxx>
 
-#include "rebuild/offset_face.h"
+#include "patches/offset_face.h"
 
 namespace phront::cad {
 namespace {

@@ -3,18 +3,18 @@
 // Requicha 1986, "Offsetting operations in solid modelling"). Concave edges need nothing, the
 // patches beside them cross. Patches that are neighbours by construction share their edges, so
 // their tangential contacts are never intersected.
-#include "rebuild/raw_complex.h"
+#include "patches/raw_complex.h"
 
 #include <BRep_Tool.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <cmath>
 
-#include "rebuild/edge_table.h"
-#include "rebuild/offset_face.h"
-#include "rebuild/patch_tools.h"
-#include "rebuild/pipe.h"
-#include "rebuild/sphere_patch.h"
+#include "patches/edge_table.h"
+#include "patches/offset_face.h"
+#include "patches/patch_tools.h"
+#include "patches/pipe.h"
+#include "patches/sphere_patch.h"
 
 namespace phront::cad {
 namespace {

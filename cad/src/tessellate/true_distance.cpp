@@ -9,7 +9,7 @@
 // chordal errors, so that a Newton iteration gone astray costs accuracy, never correctness. Weak
 // spots: the measured deflection is a sample; where it is too small, a nearer face may be missed by
 // the difference.
-#include "rebuild/true_distance.h"
+#include "tessellate/true_distance.h"
 
 #include <BRep_Tool.hxx>
 #include <Geom2d_Curve.hxx>
@@ -20,7 +20,7 @@
 #include <cmath>
 
 #include "exchange/guard.h"
-#include "rebuild/trimmed_face.h"
+#include "patches/trimmed_face.h"
 #include "tessellate/features.h"
 
 namespace phront::cad {

@@ -1,6 +1,6 @@
 // Feet on edges: nearest segment of the edge's polygon, then Newton on (C(t) - x) . C'(t) = 0, kept
 // in the edge's range and halved until the distance falls.
-#include "rebuild/trimmed_face.h"
+#include "patches/trimmed_face.h"
 
 #include <BRepClass_FaceClassifier.hxx>
 #include <BRep_Tool.hxx>

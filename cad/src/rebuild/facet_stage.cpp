@@ -1,0 +1,149 @@
+#include "rebuild/facet_stage.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "exchange/guard.h"
+#include "exchange/shape_bytes.h"
+#include "judge/check_body.h"
+#include "phront/facet.h"
+#include "rebuild/attempt_runner.h"
+#include "rebuild/facet_solid.h"
+#include "rebuild/front_stage.h"
+
+namespace phront::cad {
+namespace {
+
+// Deviation at which facets are chosen, as a share of the tolerance. The tolerance bounds a 99th
+// percentile; this bounds the bulk.
+constexpr double kShareOfTolerance = 0.9;
+constexpr double kMemoryMiB = 4000;
+// Seconds for making facets and for one measurement: share of the time left, least and most.
+constexpr double kTimeShare = 0.6;
+constexpr double kLeastSeconds = 5;
+constexpr double kMostSeconds = 40;
+// A finer front is worth it with so much time left.
+constexpr double kWorthSeconds = 15;
+constexpr std::int64_t kFinerNodes = 600'000;
+// Coarse facets: some seconds whatever the part.
+constexpr double kCoarseSpacing = 1.0 / 60;  // of the diagonal
+constexpr double kCoarseTolerance = 0.1;     // of |d|
+constexpr Index kCoarseFacets = 4000;
+
+std::vector<std::optional<Plane>> planesOf(const FeatureTable& features) {
+  std::vector<std::optional<Plane>> planes;
+  for (const FaceFeature& face : features.faces) planes.push_back(face.plane);
+  return planes;
+}
+
+int curvedFacets(const FacetedSurface& facets, const FeatureTable& features) {
+  int count = 0;
+  for (const FacetPolygon& polygon : facets.polygons) {
+    const bool planar = polygon.feature.kind == FeatureKind::Face &&
+                        features.faces[static_cast<std::size_t>(polygon.feature.id)].plane;
+    if (!planar) ++count;
+  }
+  return count;
+}
+
+// Facets and their solid as bytes: "<curved facets> <facets>\n" and the shape.
+Result<std::string> makeFacetSolid(double distance, const FacetOptions& options,
+                                   const TrueDistance& phi, const IsoSurface& front) {
+  const Result<FacetedSurface> facets = facetIsoSurface(phi.surface(), front, distance, options);
+  if (!facets) return tl::unexpected(facets.error());
+  const Result<TopoDS_Shape> solid = solidOfFacets(*facets);
+  if (!solid) return tl::unexpected(solid.error());
+  return fmt::format("{} {}\n", curvedFacets(*facets, phi.tessellation().features),
+                     facets->polygons.size()) +
+         bytesOfShape(*solid);
+}
+
+class FacetStage {
+ public:
+  FacetStage(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
+             const Deadline& deadline)
+      : body_(body), options_(options), phi_(phi), deadline_(deadline) {
+    facetOptions_.tolerance = kShareOfTolerance * *options.tolerance;
+    facetOptions_.planeOfFace = planesOf(phi.tessellation().features);
+    facetOptions_.threads = 1;  // a guarded child starts no thread
+  }
+
+  FacetAttempt run(const IsoSurface& front) {
+    FacetAttempt best = attempt(front);
+    if (!best.check.pass() && front.unresolved && deadline_.left() > kWorthSeconds) {
+      const Result<IsoSurface> finer =
+          makeFront(phi_.surface(), options_.distance, options_.threads,
+                    {kFinerNodes, 0.5 * deadline_.left()}, {});
+      if (finer) {
+        FacetAttempt again = attempt(*finer);
+        if (again.check.pass() || best.bodies.empty()) best = std::move(again);
+      }
+    }
+    if (best.bodies.empty()) {
+      FacetAttempt coarse = attemptCoarse();
+      if (!coarse.bodies.empty()) {
+        coarse.check.reasons.insert(coarse.check.reasons.begin(), best.check.reasons.begin(),
+                                    best.check.reasons.end());
+        return coarse;
+      }
+    }
+    return best;
+  }
+
+ private:
+  FacetAttempt attempt(const IsoSurface& front) const {
+    FacetAttempt made;
+    const Result<std::string> bytes =
+        runInChild("facets of the iso-surface",
+                   {deadline_.forStep(kTimeShare, kLeastSeconds, kMostSeconds), kMemoryMiB},
+                   [&] { return makeFacetSolid(options_.distance, facetOptions_, phi_, front); });
+    if (!bytes) {
+      made.check = failedCheck(bytes.error().message);
+      return made;
+    }
+    const std::size_t headerEnd = bytes->find('\n');
+    std::istringstream header(bytes->substr(0, headerEnd));
+    int total = 0;
+    header >> made.facets >> total;
+    made.planarFaces = total - made.facets;
+    const Result<TopoDS_Shape> solid = shapeOfBytes(std::string_view(*bytes).substr(headerEnd + 1));
+    if (!solid) {
+      made.check = failedCheck(solid.error().message);
+      return made;
+    }
+    made.bodies = bodiesOf(*solid, BodyKind::Solid, body_.name);
+    made.check =
+        checkBody(body_, made.bodies, options_, deadline_.forStep(1, kLeastSeconds, kMostSeconds));
+    return made;
+  }
+
+  FacetAttempt attemptCoarse() {
+    IsoSurfaceOptions coarse;
+    coarse.level = options_.distance;
+    coarse.spacing = kCoarseSpacing * phi_.surface().box().diagonal().norm();
+    coarse.mostRefinedNodes = 0;
+    coarse.threads = options_.threads;
+    const Result<IsoSurface> front = isoSurface(phi_.surface(), coarse);
+    if (!front) return {};
+    facetOptions_.tolerance = kCoarseTolerance * std::abs(options_.distance);
+    facetOptions_.maxFacets = kCoarseFacets;
+    return attempt(*front);
+  }
+
+  const Body& body_;
+  const OffsetOptions& options_;
+  const TrueDistance& phi_;
+  const Deadline& deadline_;
+  FacetOptions facetOptions_;
+};
+
+}  // namespace
+
+FacetAttempt facetBody(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
+                       const IsoSurface& front, const Deadline& deadline) {
+  return FacetStage(body, options, phi, deadline).run(front);
+}
+
+}  // namespace phront::cad
