@@ -16,6 +16,7 @@
 #include "phront/cad/exchange.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/body_offset.h"
+#include "rebuild/near_bodies.h"
 
 namespace phront::cad {
 namespace {
@@ -23,6 +24,8 @@ namespace {
 // Of the time left, for the bodies; the rest is for the check of the whole.
 constexpr double kBodiesShare = 0.8;
 constexpr double kLeastBodySeconds = 2;
+// A second go at bodies that failed is worth it with so much time left.
+constexpr double kWorthSeconds = 5;
 // Bodies with faults: mostly in vain, so not for long.
 constexpr double kInvalidBodySeconds = 20;
 // Each, for reading the written file back and for checking what was read.
@@ -56,11 +59,11 @@ void addTimes(std::vector<StageTime>& sum, const std::vector<StageTime>& times) 
 }
 
 // An instance of the same part as body i before it: assemblies place one shape many times.
-std::optional<std::size_t> earlierTwin(const Model& model, std::size_t i) {
-  const TopoDS_Shape& shape = occtShape(model.bodies[i].shape);
+std::optional<std::size_t> earlierTwin(const std::vector<Body>& bodies, std::size_t i) {
+  const TopoDS_Shape& shape = occtShape(bodies[i].shape);
   for (std::size_t j = 0; j < i; ++j) {
-    const TopoDS_Shape& other = occtShape(model.bodies[j].shape);
-    if (model.bodies[j].kind == model.bodies[i].kind && !shape.IsNull() && !other.IsNull() &&
+    const TopoDS_Shape& other = occtShape(bodies[j].shape);
+    if (bodies[j].kind == bodies[i].kind && !shape.IsNull() && !other.IsNull() &&
         shape.IsPartner(other) && shape.Orientation() == other.Orientation()) {
       return j;
     }
@@ -68,20 +71,95 @@ std::optional<std::size_t> earlierTwin(const Model& model, std::size_t i) {
   return std::nullopt;
 }
 
-TopLoc_Location moveBetween(const Body& from, const Body& to) {
-  return occtShape(to.shape).Location() * occtShape(from.shape).Location().Inverted();
+// What was done for body `from`, moved to where its twin `to` is.
+BodyOffset movedTo(const Body& to, const Body& from, std::size_t fromIndex, BodyOffset offset) {
+  const TopLoc_Location move =
+      occtShape(to.shape).Location() * occtShape(from.shape).Location().Inverted();
+  for (Body& body : offset.bodies) {
+    body.name = to.name;
+    body.shape = makeShape(occtShape(body.shape).Moved(move));
+  }
+  offset.report.name = to.name;
+  offset.report.attempts = {fmt::format("the same part as body {}, moved", fromIndex + 1)};
+  offset.times.clear();
+  return offset;
 }
 
-// Of the time left for bodies i and on, by the number of faces; twins take none.
-double shareOfTime(const Model& model, std::size_t i) {
+double weightOf(const Body& body) {
   constexpr double kOverhead = 5;  // faces' worth of what every body costs
-  const auto weight = [&](std::size_t j) { return faceCount(model.bodies[j].shape) + kOverhead; };
-  double all = weight(i);
-  for (std::size_t j = i + 1; j < model.bodies.size(); ++j) {
-    if (!earlierTwin(model, j)) all += weight(j);
-  }
-  return weight(i) / all;
+  return faceCount(body.shape) + kOverhead;
 }
+
+/// Offsets bodies one by one within a time that they share.
+class BodiesOffset {
+ public:
+  BodiesOffset(const std::vector<Body>& bodies, const OffsetOptions& options, double seconds,
+               const Progress& progress)
+      : bodies_(bodies),
+        options_(options),
+        deadline_(seconds),
+        progress_(progress),
+        twin_(bodies.size()),
+        offsets_(bodies.size()) {
+    for (std::size_t i = 0; i < bodies.size(); ++i) twin_[i] = earlierTwin(bodies, i);
+  }
+
+  Result<std::vector<BodyOffset>> run() {
+    std::vector<std::size_t> todo;
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+      if (!twin_[i]) todo.push_back(i);
+    if (Result<void> done = offset(todo); !done) return tl::unexpected(done.error());
+    // Shares by faces are a guess: those that failed for want of time get what others left.
+    std::vector<std::size_t> again;
+    for (const std::size_t i : todo)
+      if (offsets_[i].report.kind == OffsetKind::Failed && bodies_[i].valid) again.push_back(i);
+    if (todo.size() > 1 && !again.empty() && deadline_.left() > kWorthSeconds) {
+      if (Result<void> done = offset(again); !done) return tl::unexpected(done.error());
+    }
+    for (std::size_t i = 0; i < bodies_.size(); ++i)
+      if (twin_[i])
+        offsets_[i] = movedTo(bodies_[i], bodies_[*twin_[i]], *twin_[i], offsets_[*twin_[i]]);
+    return std::move(offsets_);
+  }
+
+ private:
+  Result<void> offset(const std::vector<std::size_t>& todo) {
+    double weightLeft = 0;
+    for (const std::size_t i : todo) weightLeft += weightOf(bodies_[i]);
+    for (std::size_t k = 0; k < todo.size(); ++k) {
+      const Body& body = bodies_[todo[k]];
+      OffsetOptions options = options_;
+      options.timeLimit =
+          deadline_.forStep(weightOf(body) / weightLeft, kLeastBodySeconds, options_.timeLimit);
+      if (!body.valid) options.timeLimit = std::min(options.timeLimit, kInvalidBodySeconds);
+      weightLeft -= weightOf(body);
+      const double count = static_cast<double>(todo.size());
+      Result<BodyOffset> made = offsetBody(
+          body, options,
+          progress_.part(static_cast<double>(k) / count, static_cast<double>(k + 1) / count));
+      if (!made) return tl::unexpected(made.error());
+      if (!body.valid && made->report.kind == OffsetKind::Failed) {
+        return fail(ErrorCode::UnreadableInput,
+                    fmt::format("body {}{} is not valid (OpenCASCADE's check) and has no offset "
+                                "that passes: repair it in the CAD system it comes from",
+                                todo[k] + 1, body.name.empty() ? "" : " '" + body.name + "'"));
+      }
+      BodyOffset& best = offsets_[todo[k]];
+      std::vector<StageTime> times = best.times;
+      addTimes(times, made->times);
+      if (best.bodies.empty() || made->report.kind != OffsetKind::Failed) best = std::move(*made);
+      best.times = std::move(times);
+    }
+    return {};
+  }
+
+  const std::vector<Body>& bodies_;
+  const OffsetOptions& options_;
+  Deadline deadline_;
+  const Progress& progress_;
+  std::vector<std::optional<std::size_t>> twin_;
+  std::vector<BodyOffset> offsets_;
+};
 
 // The check of the whole: of the only body, or of all together (bodies may come to overlap).
 CheckResult checkWhole(const Model& in, const OffsetResult& result, const Deadline& deadline) {
@@ -109,7 +187,7 @@ CheckResult checkWhole(const Model& in, const OffsetResult& result, const Deadli
   if (!whole.pass())
     whole.reasons.insert(whole.reasons.begin(),
                          "each body's own offset is right, but together they are not the offset of "
-                         "the whole: bodies touch or come nearer than the distance");
+                         "the whole");
   return whole;
 }
 
@@ -123,46 +201,18 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
   OffsetReport& report = result.report;
   report.options = *options;
   report.warnings = model.warnings;
-  const double count = static_cast<double>(model.bodies.size());
   const Deadline deadline(options->timeLimit);
-  const double forBodies = model.bodies.size() > 1 ? kBodiesShare : 1;
-  std::vector<std::size_t> firstResult(model.bodies.size() + 1, 0);  // in result.model, by body
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    const Progress part = progress.part(0.95 * static_cast<double>(i) / count,
-                                        0.95 * static_cast<double>(i + 1) / count);
-    firstResult[i] = result.model.bodies.size();
-    if (const std::optional<std::size_t> twin = earlierTwin(model, i)) {
-      const TopLoc_Location move = moveBetween(model.bodies[*twin], model.bodies[i]);
-      for (std::size_t k = firstResult[*twin]; k < firstResult[*twin + 1]; ++k) {
-        Body body = result.model.bodies[k];
-        body.name = model.bodies[i].name;
-        body.shape = makeShape(occtShape(body.shape).Moved(move));
-        result.model.bodies.push_back(std::move(body));
-      }
-      firstResult[i + 1] = result.model.bodies.size();
-      BodyReport same = report.bodies[*twin];
-      same.name = model.bodies[i].name;
-      same.attempts = {fmt::format("the same part as body {}, moved", *twin + 1)};
-      report.bodies.push_back(std::move(same));
-      continue;
-    }
-    OffsetOptions bodyOptions = *options;
-    bodyOptions.timeLimit =
-        deadline.forStep(forBodies * shareOfTime(model, i), kLeastBodySeconds, options->timeLimit);
-    const Body& body = model.bodies[i];
-    if (!body.valid) bodyOptions.timeLimit = std::min(bodyOptions.timeLimit, kInvalidBodySeconds);
-    Result<BodyOffset> offset = offsetBody(body, bodyOptions, part);
-    if (!offset) return tl::unexpected(offset.error());
-    if (!body.valid && offset->report.kind == OffsetKind::Failed) {
-      return fail(ErrorCode::UnreadableInput,
-                  fmt::format("body {}{} is not valid (OpenCASCADE's check) and has no offset that "
-                              "passes: repair it in the CAD system it comes from",
-                              i + 1, body.name.empty() ? "" : " '" + body.name + "'"));
-    }
-    for (Body& body : offset->bodies) result.model.bodies.push_back(std::move(body));
-    firstResult[i + 1] = result.model.bodies.size();
-    addTimes(report.times, offset->times);
-    report.bodies.push_back(std::move(offset->report));
+  const std::vector<Body> bodies = joinNearBodies(model.bodies, options->distance, report.warnings);
+  const Progress forBodies = progress.part(0, 0.95);
+  Result<std::vector<BodyOffset>> offsets =
+      BodiesOffset(bodies, *options, deadline.left() * (bodies.size() > 1 ? kBodiesShare : 1),
+                   forBodies)
+          .run();
+  if (!offsets) return tl::unexpected(offsets.error());
+  for (BodyOffset& offset : *offsets) {
+    for (Body& body : offset.bodies) result.model.bodies.push_back(std::move(body));
+    addTimes(report.times, offset.times);
+    report.bodies.push_back(std::move(offset.report));
   }
   if (!progress.part(0.95, 1, "check").report(0))
     return fail(ErrorCode::Cancelled, "the offset was cancelled");

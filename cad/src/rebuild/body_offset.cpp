@@ -40,7 +40,9 @@ constexpr double kAttemptShare = 0.6;
 constexpr double kOnlyAttemptsShare = 0.9;
 constexpr double kTessellateShare = 0.3;
 constexpr double kMostTessellateSeconds = 45;
-constexpr double kFrontShare = 0.35;
+// Of the front: first, when all else is still to come; and when only facets follow.
+constexpr double kFirstFrontShare = 0.25;
+constexpr double kLateFrontShare = 0.5;
 // Bounds of the seconds for one measurement of the result.
 constexpr double kLeastSeconds = 3;
 constexpr double kCheckSeconds = 40;
@@ -113,7 +115,8 @@ Body withElementarySurfaces(const Body& body, double distance, std::vector<std::
 // The front, refined far only where it decides whether anything is left.
 Result<IsoSurface> frontOf(const TrueDistance& phi, const OffsetOptions& options,
                            const Deadline& deadline, const Progress& progress) {
-  const double seconds = kFrontShare * deadline.left();
+  const double share = options.distance < 0 ? kFirstFrontShare : kLateFrontShare;
+  const double seconds = share * deadline.left();
   const Deadline end(seconds);
   Result<IsoSurface> front =
       makeFront(phi.surface(), options.distance, options.threads, {kFacetNodes, seconds}, progress);
@@ -123,7 +126,7 @@ Result<IsoSurface> frontOf(const TrueDistance& phi, const OffsetOptions& options
 }
 
 void useFacets(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-               const IsoSurface& front, const Deadline& deadline, BodyOffset& result) {
+               const IsoSurface* front, const Deadline& deadline, BodyOffset& result) {
   BodyReport& report = result.report;
   FacetAttempt facets = facetBody(body, options, phi, front, deadline);
   report.setting = "facets of the iso-surface";
@@ -164,20 +167,26 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
   if (!phi) return tl::unexpected(phi.error());
   clock.lap("tessellate");
 
-  const bool solid = body.kind == BodyKind::Solid;
+  const bool faceted = body.kind == BodyKind::Solid && phi->surface().closed();
   std::optional<IsoSurface> front;
-  if (solid && phi->surface().closed()) {
-    Result<IsoSurface> made = frontOf(*phi, options, deadline, progress.part(0.1, 0.3, "front"));
-    if (!made && made.error().code == ErrorCode::Cancelled) return tl::unexpected(made.error());
-    if (made) {
-      front = std::move(*made);
-    } else {
-      report.attempts.push_back(made.error().message);
-    }
+  const auto makeFrontNow = [&](const Progress& part) -> Result<void> {
+    Result<IsoSurface> made = frontOf(*phi, options, deadline, part);
     clock.lap("front");
-  }
+    if (!made && made.error().code == ErrorCode::Cancelled) return tl::unexpected(made.error());
+    if (made)
+      front = std::move(*made);
+    else
+      report.attempts.push_back(made.error().message);
+    return {};
+  };
 
-  if (front && front->mesh.triangles.empty()) {
+  // Inwards nothing may be left, which the front knows soonest.
+  if (faceted && options.distance < 0) {
+    const Result<void> made = makeFrontNow(progress.part(0.1, 0.3, "front"));
+    if (!made) return tl::unexpected(made.error());
+  }
+  const bool emptyFront = front && front->mesh.triangles.empty();
+  if (emptyFront) {
     const CheckResult check =
         checkBody(body, {}, options, deadline.forStep(1, kLeastSeconds, kCheckSeconds));
     clock.lap("check");
@@ -190,17 +199,26 @@ Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
     front.reset();
   }
 
-  const Deadline attempts(deadline.left() * (front ? kAttemptShare : kOnlyAttemptsShare));
+  const bool facetsMayFollow = faceted && !emptyFront;
+  const Deadline attempts(deadline.left() * (facetsMayFollow ? kAttemptShare : kOnlyAttemptsShare));
   AttemptLog log =
       runAttempts(body, healed, options, *phi, attempts, progress.part(0.3, 0.8, "exact patches"));
   clock.lap("exact patches");
   report.attempts.insert(report.attempts.end(), log.lines.begin(), log.lines.end());
   if (log.accepted) {
     useAttempt(std::move(*log.accepted), OffsetKind::Exact, result);
-  } else if (front) {
-    if (!progress.part(0.8, 1, "facets").report(0))
+    report.solids = report.check.solids;
+    return result;
+  }
+
+  if (facetsMayFollow && options.distance > 0) {
+    const Result<void> made = makeFrontNow(progress.part(0.8, 0.9, "front"));
+    if (!made) return tl::unexpected(made.error());
+  }
+  if (facetsMayFollow) {
+    if (!progress.part(0.9, 1, "facets").report(0))
       return fail(ErrorCode::Cancelled, "the offset was cancelled");
-    useFacets(body, options, *phi, *front, deadline, result);
+    useFacets(body, options, *phi, front ? &*front : nullptr, deadline, result);
     clock.lap("facets");
   } else {
     report.check = failedCheck(report.attempts.empty() ? "no way gave a result"

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <sstream>
+#include <utility>
 
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
@@ -18,7 +19,7 @@ namespace {
 
 // Deviation at which facets are chosen, as a share of the tolerance. The tolerance bounds a 99th
 // percentile; this bounds the bulk.
-constexpr double kShareOfTolerance = 0.9;
+constexpr double kShareOfTolerance = 0.8;
 constexpr double kMemoryMiB = 4000;
 // Seconds for making facets and for one measurement: share of the time left, least and most.
 constexpr double kTimeShare = 0.6;
@@ -70,9 +71,11 @@ class FacetStage {
     facetOptions_.threads = 1;  // a guarded child starts no thread
   }
 
-  FacetAttempt run(const IsoSurface& front) {
-    FacetAttempt best = attempt(front);
-    if (!best.check.pass() && front.unresolved && deadline_.left() > kWorthSeconds) {
+  FacetAttempt run(const IsoSurface* front) {
+    FacetAttempt best = nothing("there is no front to make facets of");
+    if (front != nullptr) best = attempt(*front);
+    if (front != nullptr && !best.check.pass() && front->unresolved &&
+        deadline_.left() > kWorthSeconds) {
       const Result<IsoSurface> finer =
           makeFront(phi_.surface(), options_.distance, options_.threads,
                     {kFinerNodes, 0.5 * deadline_.left()}, {});
@@ -93,26 +96,26 @@ class FacetStage {
   }
 
  private:
+  static FacetAttempt nothing(std::string why) {
+    FacetAttempt none;
+    none.check = failedCheck(std::move(why));
+    return none;
+  }
+
   FacetAttempt attempt(const IsoSurface& front) const {
     FacetAttempt made;
     const Result<std::string> bytes =
         runInChild("facets of the iso-surface",
                    {deadline_.forStep(kTimeShare, kLeastSeconds, kMostSeconds), kMemoryMiB},
                    [&] { return makeFacetSolid(options_.distance, facetOptions_, phi_, front); });
-    if (!bytes) {
-      made.check = failedCheck(bytes.error().message);
-      return made;
-    }
+    if (!bytes) return nothing(bytes.error().message);
     const std::size_t headerEnd = bytes->find('\n');
     std::istringstream header(bytes->substr(0, headerEnd));
     int total = 0;
     header >> made.facets >> total;
     made.planarFaces = total - made.facets;
     const Result<TopoDS_Shape> solid = shapeOfBytes(std::string_view(*bytes).substr(headerEnd + 1));
-    if (!solid) {
-      made.check = failedCheck(solid.error().message);
-      return made;
-    }
+    if (!solid) return nothing(solid.error().message);
     made.bodies = bodiesOf(*solid, BodyKind::Solid, body_.name);
     made.check =
         checkBody(body_, made.bodies, options_, deadline_.forStep(1, kLeastSeconds, kMostSeconds));
@@ -126,7 +129,7 @@ class FacetStage {
     coarse.mostRefinedNodes = 0;
     coarse.threads = options_.threads;
     const Result<IsoSurface> front = isoSurface(phi_.surface(), coarse);
-    if (!front) return {};
+    if (!front) return nothing(front.error().message);
     facetOptions_.tolerance = kCoarseTolerance * std::abs(options_.distance);
     facetOptions_.maxFacets = kCoarseFacets;
     return attempt(*front);
@@ -142,7 +145,7 @@ class FacetStage {
 }  // namespace
 
 FacetAttempt facetBody(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-                       const IsoSurface& front, const Deadline& deadline) {
+                       const IsoSurface* front, const Deadline& deadline) {
   return FacetStage(body, options, phi, deadline).run(front);
 }
 

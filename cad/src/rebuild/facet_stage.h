@@ -21,10 +21,10 @@ struct FacetAttempt {
 
 /// Facets of the front, checked; when they do not pass and the front hides thin features, of a
 /// finer one; when there is no solid at all, coarse facets far off the tolerance, which then fail
-/// their check but are valid and closed. The best of them comes back. Guarded; bounded by the
-/// deadline.
+/// their check but are valid and closed. The best of them comes back. Without a front (null) only
+/// the coarse ones are made. Guarded; bounded by the deadline.
 [[nodiscard]] FacetAttempt facetBody(const Body& body, const OffsetOptions& options,
-                                     const TrueDistance& phi, const IsoSurface& front,
+                                     const TrueDistance& phi, const IsoSurface* front,
                                      const Deadline& deadline);
 
 }  // namespace phront::cad

@@ -5,12 +5,19 @@
 #include "deadline.h"
 
 namespace phront::cad {
+namespace {
+
+// Some seconds' worth; facets are refined by deviation later on.
+constexpr double kMostSquares = 40'000;
+
+}  // namespace
 
 Result<IsoSurface> makeFront(const SurfaceDistance& surface, double level, int threads,
                              const FrontBounds& bounds, const Progress& progress) {
   IsoSurfaceOptions options;
   options.level = level;
   options.mostRefinedNodes = bounds.nodes;
+  options.mostSquares = kMostSquares;
   options.threads = threads;
   const Deadline deadline(bounds.seconds);
   bool stopped = false;  // by the user, not by the time

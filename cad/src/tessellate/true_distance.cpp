@@ -14,6 +14,7 @@
 #include <BRep_Tool.hxx>
 #include <Geom2d_Curve.hxx>
 #include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
@@ -306,7 +307,11 @@ double TrueDistance::Impl::signAt(const Vec3& x, const Candidate& c, double mesh
 }
 
 Result<TrueDistance> TrueDistance::build(const TopoDS_Shape& shape, Tessellation tessellation) {
-  auto surface = SurfaceDistance::build(tessellation.mesh);
+  TopExp_Explorer solid(shape, TopAbs_SOLID);
+  if (solid.More()) solid.Next();
+  const bool several = solid.More();
+  auto surface =
+      SurfaceDistance::build(tessellation.mesh, several ? SignRule::Union : SignRule::Topology);
   if (!surface) return tl::unexpected(surface.error());
   return guardOcct("preparing exact distances", [&]() -> Result<TrueDistance> {
     auto impl = std::make_unique<Impl>(std::move(tessellation), std::move(*surface));

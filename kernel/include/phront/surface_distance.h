@@ -24,6 +24,13 @@ struct FootPoint {
   [[nodiscard]] double phi() const { return sign * distance; }
 };
 
+/// How the sign of a closed mesh is found.
+enum class SignRule {
+  Topology,  ///< of the foot's pseudonormal: the mesh bounds one material
+  Union,     ///< connected parts that touch or overlap: inside is where any of them is; a query
+             ///< more for every other part whose box holds the point
+};
+
 /// Exact signed distance to a mesh by a bounding-volume hierarchy (closest point) and
 /// angle-weighted pseudonormals (sign; Baerentzen & Aanaes 2005). Immutable once built; queries are
 /// thread safe and allocate nothing. phi < 0 inside material.
@@ -31,7 +38,8 @@ class SurfaceDistance {
  public:
   /// Fails with InvalidArgument on an empty mesh, NaN or infinite points or indices out of range.
   /// Degenerate triangles are accepted (they count as segments or points).
-  [[nodiscard]] static Result<SurfaceDistance> build(TriMesh mesh);
+  [[nodiscard]] static Result<SurfaceDistance> build(TriMesh mesh,
+                                                     SignRule rule = SignRule::Topology);
 
   [[nodiscard]] const TriMesh& mesh() const;
   [[nodiscard]] const Box3& box() const;

@@ -44,17 +44,21 @@ constexpr std::size_t kCrumbTriangles = 3000;
 constexpr int kUnfoldRounds = 5;
 constexpr int kKeepCreaseRounds = 2;
 
-double automaticSpacing(double level, double diagonal) {
-  return std::min(kOrdinarySpacing * diagonal,
-                  std::max(std::abs(level) / 2, kFinestSpacing * diagonal));
+double automaticSpacing(const SurfaceDistance& surface, const IsoSurfaceOptions& options) {
+  const double diagonal = surface.box().diagonal().norm();
+  const double wanted = std::min(kOrdinarySpacing * diagonal,
+                                 std::max(std::abs(options.level) / 2, kFinestSpacing * diagonal));
+  const double affordable = std::sqrt(area(surface.mesh()) / options.mostSquares);
+  return std::min(std::max(wanted, affordable), options.largestSpacing);
 }
 
 Result<void> check(const IsoSurfaceOptions& options) {
   if (!std::isfinite(options.level)) {
     return fail(ErrorCode::InvalidArgument, "the level of an iso-surface must be a finite number");
   }
-  if (!(options.largestSpacing > 0)) {
-    return fail(ErrorCode::InvalidArgument, "the largest grid spacing must be positive");
+  if (!(options.largestSpacing > 0 && options.mostSquares > 0)) {
+    return fail(ErrorCode::InvalidArgument,
+                "the largest grid spacing and the number of squares must be positive");
   }
   if (options.spacing && !(std::isfinite(*options.spacing) && *options.spacing > 0)) {
     return fail(ErrorCode::InvalidArgument,
@@ -196,11 +200,9 @@ class Extraction {
 Result<IsoSurface> isoSurface(const SurfaceDistance& surface, const IsoSurfaceOptions& options,
                               const Progress& progress) {
   if (auto ok = check(options); !ok) return tl::unexpected(ok.error());
-  const double diagonal = surface.box().diagonal().norm();
   LevelGridOptions gridOptions;
   gridOptions.level = options.level;
-  gridOptions.spacing = options.spacing.value_or(
-      std::min(automaticSpacing(options.level, diagonal), options.largestSpacing));
+  gridOptions.spacing = options.spacing.value_or(automaticSpacing(surface, options));
   gridOptions.maxNodes = kMaxNodes;
   gridOptions.threads = options.threads;
   const double firstSpacing = gridOptions.spacing;

@@ -17,10 +17,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "geom/bvh.h"
 #include "geom/closest_on_triangle.h"
 #include "geom/mesh_topology.h"
+#include "geom/split_boxes.h"
 #include "geom/winding_number.h"
 
 namespace phront {
@@ -41,6 +43,8 @@ constexpr double kBorderLean = 1e-9;
 
 // Feet are rounded to a few ulps of the coordinates: less distance than that is none.
 constexpr double kOnSurfaceUlps = 4;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Untrusted elements of a triangle, as bits of one byte: its face, its sides, its corners.
 constexpr std::uint8_t kFaceBit = 1;
@@ -107,21 +111,40 @@ struct SurfaceDistance::Impl {
   bool closed = true;
   double onSurface = 0;
 
-  Bvh bvh;
+  Bvh bvh;                            // over triangles, for the winding number
   std::vector<QueryTriangle> leaves;  // in the order of the tree
   std::vector<Index> leafOf;          // triangle id -> position in leaves
+  Bvh nearTree;                       // over pieces of triangles, for feet
+  std::vector<QueryTriangle> nearLeaves;
   WindingTree winding;
 
   std::vector<Index> faceIds;  // sorted
-  std::vector<Bvh> faceTrees;  // one per face id; empty when there is one face only
+  /// Some of the triangles, in a tree of their own.
+  struct SubTree {
+    Bvh tree;
+    std::vector<Index> leaves;  // triangle ids in the order of the tree
+  };
+  std::vector<SubTree> faceTrees;  // one per face id
+
+  /// A connected piece of the mesh: with SignRule::Union only.
+  struct Part {
+    SubTree triangles;
+    Box3 box;
+    bool outward = true;  // else it bounds a cavity
+  };
+  std::vector<Part> parts;
+  std::vector<Index> partOf;  // triangle id -> part
 
   std::vector<Index> across;  // per side: the other triangle's side, kFree or kSeveral
   PointRings rings;
   std::vector<Vec3> pointNormals;
   std::vector<std::uint8_t> untrusted;
 
-  explicit Impl(TriMesh input);
-  void buildTrees();
+  Impl(TriMesh input, SignRule rule);
+  void buildTrees(const TriangleBoxes& cover);
+  void buildFaceTrees(const TriangleBoxes& cover);
+  void buildParts(const MeshEdges& edges, const TriangleBoxes& cover);
+  SubTree subTree(const TriangleBoxes& cover, std::vector<Index> pieces) const;
   void buildTopology(const MeshEdges& edges);
   void buildTrust(const MeshEdges& edges);
 
@@ -143,22 +166,27 @@ struct SurfaceDistance::Impl {
   };
   FootPoint finish(const Best& best, const Vec3& x) const;
   Vec3 pseudonormal(const FootPoint& foot) const;
+  double sideOf(const Vec3& x, const FootPoint& foot) const;
   double signAt(const Vec3& x, const FootPoint& foot) const;
+  FootPoint footOn(const SubTree& sub, const Vec3& x, double reach) const;
   bool leansOver(const Vec3& gap, Index side) const;
   bool beyond(const Vec3& x, const FootPoint& foot) const;
   double windingNumber(const Vec3& x) const { return winding.at(x, bvh, leaves); }
 };
 
-SurfaceDistance::Impl::Impl(TriMesh input) : mesh(std::move(input)), box(boundingBox(mesh)) {
+SurfaceDistance::Impl::Impl(TriMesh input, SignRule rule)
+    : mesh(std::move(input)), box(boundingBox(mesh)) {
   const double largest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
   onSurface = kOnSurfaceUlps * std::numeric_limits<double>::epsilon() * largest;
-  buildTrees();
+  const TriangleBoxes cover = splitBoxes(mesh);
+  buildTrees(cover);
   const MeshEdges edges = meshEdges(mesh);
   buildTopology(edges);
   buildTrust(edges);
+  if (closed && rule == SignRule::Union) buildParts(edges, cover);
 }
 
-void SurfaceDistance::Impl::buildTrees() {
+void SurfaceDistance::Impl::buildTrees(const TriangleBoxes& cover) {
   const std::size_t count = mesh.triangles.size();
   std::vector<Box3> boxes(count);
   std::vector<Index> all(count);
@@ -179,16 +207,75 @@ void SurfaceDistance::Impl::buildTrees() {
   }
   winding = WindingTree(bvh, leaves);
 
-  for (std::size_t t = 0; t < count; ++t) faceIds.push_back(mesh.face(static_cast<Index>(t)));
+  all.resize(cover.boxes.size());
+  std::iota(all.begin(), all.end(), Index{0});
+  nearTree = Bvh(cover.boxes, all);
+  for (const Index piece : nearTree.order())
+    nearLeaves.push_back(triangle(cover.triangle[size(piece)]));
+  buildFaceTrees(cover);
+}
+
+void SurfaceDistance::Impl::buildFaceTrees(const TriangleBoxes& cover) {
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    faceIds.push_back(mesh.face(static_cast<Index>(t)));
   std::sort(faceIds.begin(), faceIds.end());
   faceIds.erase(std::unique(faceIds.begin(), faceIds.end()), faceIds.end());
-  if (faceIds.size() == 1) return;
   std::vector<std::vector<Index>> members(faceIds.size());
-  for (const Index t : all) {
-    const auto at = std::lower_bound(faceIds.begin(), faceIds.end(), mesh.face(t));
-    members[static_cast<std::size_t>(at - faceIds.begin())].push_back(t);
+  for (std::size_t piece = 0; piece < cover.boxes.size(); ++piece) {
+    const auto at =
+        std::lower_bound(faceIds.begin(), faceIds.end(), mesh.face(cover.triangle[piece]));
+    members[static_cast<std::size_t>(at - faceIds.begin())].push_back(static_cast<Index>(piece));
   }
-  for (auto& list : members) faceTrees.emplace_back(boxes, std::move(list));
+  for (auto& list : members) faceTrees.push_back(subTree(cover, std::move(list)));
+}
+
+SurfaceDistance::Impl::SubTree SurfaceDistance::Impl::subTree(const TriangleBoxes& cover,
+                                                              std::vector<Index> pieces) const {
+  SubTree sub;
+  sub.tree = Bvh(cover.boxes, std::move(pieces));
+  for (const Index piece : sub.tree.order()) sub.leaves.push_back(cover.triangle[size(piece)]);
+  return sub;
+}
+
+void SurfaceDistance::Impl::buildParts(const MeshEdges& edges, const TriangleBoxes& cover) {
+  // Union-find over edges: the least triangle of a part is its root.
+  std::vector<Index> root(mesh.triangles.size());
+  std::iota(root.begin(), root.end(), Index{0});
+  const auto find = [&](Index t) {
+    while (root[size(t)] != t) t = root[size(t)] = root[size(root[size(t)])];
+    return t;
+  };
+  for (const MeshEdge& edge : edges.edges) {
+    const auto sides = edges.sidesOf(edge);
+    for (const Index side : sides) {
+      const Index a = find(sides[0] / 3);
+      const Index b = find(side / 3);
+      root[size(std::max(a, b))] = std::min(a, b);
+    }
+  }
+  partOf.resize(root.size());
+  std::vector<double> volumes;
+  for (Index t = 0; t < static_cast<Index>(root.size()); ++t) {
+    const Index r = find(t);
+    if (r == t) {
+      partOf[size(t)] = static_cast<Index>(parts.size());
+      parts.emplace_back();
+      volumes.push_back(0);
+    }
+    partOf[size(t)] = partOf[size(r)];
+    const QueryTriangle& q = triangle(t);
+    const Vec3 middle = box.center();
+    volumes[size(partOf[size(t)])] +=
+        (q.corners[0] - middle).dot((q.corners[1] - middle).cross(q.corners[2] - middle));
+    for (const Vec3& corner : q.corners) parts[size(partOf[size(t)])].box.extend(corner);
+  }
+  std::vector<std::vector<Index>> members(parts.size());
+  for (std::size_t piece = 0; piece < cover.boxes.size(); ++piece)
+    members[size(partOf[size(cover.triangle[piece])])].push_back(static_cast<Index>(piece));
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    parts[p].outward = volumes[p] >= 0;
+    parts[p].triangles = subTree(cover, std::move(members[p]));
+  }
 }
 
 void SurfaceDistance::Impl::buildTopology(const MeshEdges& edges) {
@@ -265,8 +352,8 @@ Vec3 SurfaceDistance::Impl::pseudonormal(const FootPoint& foot) const {
   return normal;
 }
 
-double SurfaceDistance::Impl::signAt(const Vec3& x, const FootPoint& foot) const {
-  if (foot.distance == 0) return 1;
+// +1 or -1 by the mesh around a foot, which need not be the nearest.
+double SurfaceDistance::Impl::sideOf(const Vec3& x, const FootPoint& foot) const {
   const auto k = size(foot.corner);
   const std::uint8_t bit = foot.kind == FeatureKind::Face   ? kFaceBit
                            : foot.kind == FeatureKind::Edge ? sideBit(k)
@@ -275,6 +362,32 @@ double SurfaceDistance::Impl::signAt(const Vec3& x, const FootPoint& foot) const
     return windingNumber(x) > 0.5 ? -1 : 1;
   }
   return (x - foot.point).dot(pseudonormal(foot)) < 0 ? -1 : 1;
+}
+
+double SurfaceDistance::Impl::signAt(const Vec3& x, const FootPoint& foot) const {
+  if (foot.distance == 0) return 1;
+  const double side = sideOf(x, foot);
+  if (parts.size() < 2) return side;
+  // Times that parts wind around x: only those whose box holds it can.
+  int times = 0;
+  for (std::size_t p = 0; p < parts.size(); ++p) {
+    const Part& part = parts[p];
+    if (!part.box.contains(x)) continue;
+    const bool own = size(partOf[size(foot.triangle)]) == p;
+    const double sideHere = own ? side : sideOf(x, footOn(part.triangles, x, kInfinity));
+    if (part.outward && sideHere < 0) ++times;
+    if (!part.outward && sideHere > 0) --times;
+  }
+  return times > 0 ? -1 : 1;
+}
+
+FootPoint SurfaceDistance::Impl::footOn(const SubTree& sub, const Vec3& x, double reach) const {
+  Best best;
+  best.squared = reach * reach;
+  sub.tree.nearest(
+      x, [&](Index i) { best.offer(triangle(sub.leaves[size(i)]), x); },
+      [&] { return best.squared; });
+  return best.found() ? toFootPoint(best.foot, best.id, onSurface) : FootPoint{};
 }
 
 // Does the gap (query minus foot) lean outwards over a free side, within the triangle's plane?
@@ -312,9 +425,9 @@ FootPoint SurfaceDistance::Impl::finish(const Best& best, const Vec3& x) const {
   return foot;
 }
 
-Result<SurfaceDistance> SurfaceDistance::build(TriMesh mesh) {
+Result<SurfaceDistance> SurfaceDistance::build(TriMesh mesh, SignRule rule) {
   if (auto ok = checkInput(mesh); !ok) return tl::unexpected(ok.error());
-  return SurfaceDistance(std::make_unique<const Impl>(std::move(mesh)));
+  return SurfaceDistance(std::make_unique<const Impl>(std::move(mesh), rule));
 }
 
 const TriMesh& SurfaceDistance::mesh() const { return impl_->mesh; }
@@ -325,8 +438,8 @@ FootPoint SurfaceDistance::foot(const Vec3& x, double reach) const {
   const Impl& s = *impl_;
   Impl::Best best;
   best.squared = reach * reach;
-  s.bvh.nearest(
-      x, [&](Index i) { best.offer(s.leaves[size(i)], x); }, [&] { return best.squared; });
+  s.nearTree.nearest(
+      x, [&](Index i) { best.offer(s.nearLeaves[size(i)], x); }, [&] { return best.squared; });
   return s.finish(best, x);
 }
 
@@ -335,8 +448,8 @@ FootPoint SurfaceDistance::footFrom(const Vec3& x, Index start) const {
   if (start < 0 || size(start) >= s.leafOf.size()) return foot(x);
   Impl::Best best;
   best.offer(s.triangle(start), x);
-  s.bvh.nearest(
-      x, [&](Index i) { best.offer(s.leaves[size(i)], x); }, [&] { return best.squared; });
+  s.nearTree.nearest(
+      x, [&](Index i) { best.offer(s.nearLeaves[size(i)], x); }, [&] { return best.squared; });
   return s.finish(best, x);
 }
 
@@ -344,14 +457,7 @@ FootPoint SurfaceDistance::footOnFace(const Vec3& x, Index face, double reach) c
   const Impl& s = *impl_;
   const auto at = std::lower_bound(s.faceIds.begin(), s.faceIds.end(), face);
   if (at == s.faceIds.end() || *at != face) return {};
-  const auto number = static_cast<std::size_t>(at - s.faceIds.begin());
-  const Bvh& tree = s.faceTrees.empty() ? s.bvh : s.faceTrees[number];
-  Impl::Best best;
-  best.squared = reach * reach;
-  tree.nearest(
-      x, [&](Index i) { best.offer(s.triangle(tree.order()[size(i)]), x); },
-      [&] { return best.squared; });
-  return best.found() ? toFootPoint(best.foot, best.id, s.onSurface) : FootPoint{};
+  return s.footOn(s.faceTrees[static_cast<std::size_t>(at - s.faceIds.begin())], x, reach);
 }
 
 FootPoint SurfaceDistance::footOnTriangle(const Vec3& x, Index triangle) const {

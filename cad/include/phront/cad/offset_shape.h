@@ -44,9 +44,9 @@ struct StageTime {
 };
 
 struct OffsetReport {
-  OffsetOptions options;  ///< as resolved
-  std::vector<BodyReport> bodies;
-  CheckResult check;  ///< of the whole result against the whole input
+  OffsetOptions options;           ///< as resolved
+  std::vector<BodyReport> bodies;  ///< one for each body or group of bodies offset together
+  CheckResult check;               ///< of the whole result against the whole input
   std::vector<std::string> warnings;
   std::vector<StageTime> times;
 };
@@ -57,11 +57,12 @@ struct OffsetResult {
   [[nodiscard]] bool accepted() const { return report.check.pass(); }
 };
 
-/// Offsets every body on its own. Solids give closed solids (or nothing, when thinner than 2|d|
-/// everywhere); sheets give one sheet at signed distance d on the side of their normals.
-/// Always judged; a result that fails its judge is still returned, `accepted()` is then false.
-/// Fails with InvalidArgument, UnreadableInput (a part that cannot be measured, or is not valid and
-/// has no offset that passes), Failed, ResourceLimit, Cancelled.
+/// Offsets every body on its own, but growing solids that touch or come nearer than 2d to each
+/// other together: the offset of the whole is their union. Solids give closed solids (or nothing,
+/// when thinner than 2|d| everywhere); sheets give one sheet at signed distance d on the side of
+/// their normals. Always judged; a result that fails its judge is still returned, `accepted()` is
+/// then false. Fails with InvalidArgument, UnreadableInput (a part that cannot be measured, or is
+/// not valid and has no offset that passes), Failed, ResourceLimit, Cancelled.
 [[nodiscard]] Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& options,
                                                const Progress& progress = {});
 
