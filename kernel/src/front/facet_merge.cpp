@@ -106,6 +106,15 @@ FacetPolygon trianglePolygon(const WorkMesh& mesh, Index t, std::span<const Feat
   return polygon;
 }
 
+/// What most of a region stems from: a plane also takes in neighbours that leave it by little.
+Index mainLabel(const WorkMesh& mesh, const Region& region) {
+  std::map<Index, double> area;
+  for (const Index t : region) area[mesh.label[t]] += mesh.areaVector(t).norm();
+  return std::max_element(area.begin(), area.end(),
+                          [](const auto& a, const auto& b) { return a.second < b.second; })
+      ->first;
+}
+
 /// The polygons of a plane region; empty when its loops cannot bound faces.
 std::vector<FacetPolygon> regionPolygons(const WorkMesh& mesh, const Context& context,
                                          const Region& region, const std::vector<Loop>& loops,
@@ -126,9 +135,10 @@ std::vector<FacetPolygon> regionPolygons(const WorkMesh& mesh, const Context& co
   const auto nesting = nestLoops(flat);
   if (!nesting) return {};
   std::vector<FacetPolygon> polygons;
+  const Feature feature = labels[mainLabel(mesh, region)];
   for (const auto& group : *nesting) {
     FacetPolygon polygon;
-    polygon.feature = labels[mesh.label[region.front()]];
+    polygon.feature = feature;
     polygon.plane = plane;
     for (const std::size_t l : group) polygon.loops.push_back(loops[l]);
     polygons.push_back(std::move(polygon));

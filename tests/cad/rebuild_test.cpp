@@ -1,0 +1,162 @@
+// The stages between exact patches and the written file, one by one.
+#include <gtest/gtest.h>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_Sewing.hxx>
+#include <BRepCheck_Analyzer.hxx>
+#include <BRepGProp.hxx>
+#include <BRep_Builder.hxx>
+#include <GProp_GProps.hxx>
+#include <TopoDS_Compound.hxx>
+#include <gp_Pln.hxx>
+
+#include <cmath>
+
+#include "judge/exchange_fault.h"
+#include "rebuild/exact_offset.h"
+#include "rebuild/facet_stage.h"
+#include "rebuild/fill_gaps.h"
+#include "rebuild/front_stage.h"
+#include "rebuild/living_cells.h"
+#include "rebuild/near_bodies.h"
+#include "solids.h"
+
+namespace phront::cad {
+namespace {
+
+TrueDistance distanceOf(const TopoDS_Shape& shape, double deflection) {
+  TessellateOptions options;
+  options.deflection = deflection;
+  auto mesh = tessellate(test::solidBody(shape), options);
+  EXPECT_TRUE(mesh) << (mesh ? "" : mesh.error().message);
+  auto phi = TrueDistance::build(shape, std::move(*mesh));
+  EXPECT_TRUE(phi) << (phi ? "" : phi.error().message);
+  return std::move(*phi);
+}
+
+std::vector<TopoDS_Face> facesOf(const TopoDS_Shape& shape) {
+  std::vector<TopoDS_Face> faces;
+  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next())
+    faces.push_back(TopoDS::Face(f.Current()));
+  return faces;
+}
+
+TopoDS_Face square(const gp_Pnt& middle, const gp_Dir& normal, double half) {
+  return BRepBuilderAPI_MakeFace(gp_Pln(middle, normal), -half, half, -half, half).Face();
+}
+
+TopoDS_Shape movedBox(double side, double x) {
+  gp_Trsf shift;
+  shift.SetTranslation(gp_Vec(x, 0, 0));
+  return test::transformed(test::box(side, side, side), shift);
+}
+
+TEST(LivingCells, OnlyPatchesThatMeetOnTheLevelMayCross) {
+  const TrueDistance phi = distanceOf(test::lShape(), 0.01);
+  // Offsets by 0.1 of the two faces of the knee, which cross; of the top; and two that cross off
+  // the level, where phi is 0.5.
+  const std::vector<TopoDS_Face> patches = {square(gp_Pnt(1.6, 1.1, 0.5), gp_Dir(0, 1, 0), 0.55),
+                                            square(gp_Pnt(1.1, 1.6, 0.5), gp_Dir(1, 0, 0), 0.55),
+                                            square(gp_Pnt(0.5, 0.5, 1.1), gp_Dir(0, 0, 1), 0.45),
+                                            square(gp_Pnt(1.6, 1.5, 0.5), gp_Dir(0, 1, 0), 0.1),
+                                            square(gp_Pnt(1.6, 1.5, 0.5), gp_Dir(1, 0, 0), 0.1)};
+  const LivingCells cells(patches, 0.1, 0.001, phi);
+  EXPECT_TRUE(cells.mayCross(0, 1));
+  EXPECT_FALSE(cells.mayCross(0, 2));
+  EXPECT_FALSE(cells.mayCross(3, 4));
+}
+
+TEST(FillGaps, ClosesWhereAPieceIsMissing) {
+  const double d = 0.5;
+  const TopoDS_Shape shape = test::box(4, 3, 2);
+  const TrueDistance phi = distanceOf(shape, 0.005);
+  const auto exact = tryExactOffset(shape, true, d, phi, attemptSettings().front());
+  ASSERT_TRUE(exact) << exact.error().message;
+  GProp_GProps whole;
+  BRepGProp::SurfaceProperties(exact->shape, whole);
+  const std::vector<TopoDS_Face> all = facesOf(exact->shape);
+  EXPECT_EQ(all.size(), 26U);
+  for (std::size_t gone = 0; gone < all.size(); ++gone) {
+    std::vector<TopoDS_Face> faces = all;
+    faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(gone));
+    const FilledGaps filled = fillGaps(faces, {d, 0.01 * d}, phi);
+    ASSERT_EQ(filled.patches.size(), 1U) << "without face " << gone;
+    EXPECT_EQ(filled.unfilled, 0);
+    GProp_GProps lost;
+    GProp_GProps patch;
+    BRepGProp::SurfaceProperties(all[gone], lost);
+    BRepGProp::SurfaceProperties(filled.patches.front(), patch);
+    EXPECT_NEAR(std::abs(patch.Mass()), std::abs(lost.Mass()), 0.01 * std::abs(lost.Mass()));
+  }
+}
+
+TEST(ExchangeFault, OpenSolidsAreFound) {
+  Model good;
+  good.bodies.push_back(test::solidBody(test::filletedBox(4, 0.5)));
+  EXPECT_EQ(exchangeFault(good, 1), "");
+
+  BRepBuilderAPI_Sewing sewing;
+  std::vector<TopoDS_Face> faces = facesOf(test::box(1, 1, 1));
+  faces.pop_back();
+  for (const TopoDS_Face& face : faces) sewing.Add(face);
+  sewing.Perform();
+  Model open;
+  open.bodies.push_back(test::solidBody(sewing.SewedShape()));
+  EXPECT_NE(exchangeFault(open, 1), "");
+}
+
+TEST(MakeFront, EndsInTimeAndSaysWhatItLeftOut) {
+  const TrueDistance phi = distanceOf(test::box(100, 100, 0.3), 0.1);
+  const auto late = makeFront(phi.surface(), -0.1, 1, {1000, 0}, {});
+  ASSERT_FALSE(late);
+  EXPECT_EQ(late.error().code, ErrorCode::ResourceLimit);
+  const Progress cancel([](double, std::string_view) { return false; });
+  const auto cancelled = makeFront(phi.surface(), -0.1, 1, {1000, 60}, cancel);
+  ASSERT_FALSE(cancelled);
+  EXPECT_EQ(cancelled.error().code, ErrorCode::Cancelled);
+  // A sheet 0.1 thin on a grid of half a unit: seen, not resolved.
+  const auto coarse = makeFront(phi.surface(), -0.1, 1, {1000, 60}, {});
+  ASSERT_TRUE(coarse) << coarse.error().message;
+  EXPECT_TRUE(coarse->unresolved);
+}
+
+TEST(FacetBody, PassesOnAFrontAndIsClosedWithoutOne) {
+  const TopoDS_Shape shape = test::filletedBox(10, 2);
+  const Body body = test::solidBody(shape);
+  const TrueDistance phi = distanceOf(shape, 0.002);
+  OffsetOptions options;
+  options.distance = 1;
+  options.tolerance = 0.03;
+  options.threads = 1;
+  const auto front = makeFront(phi.surface(), 1, 1, {100'000, 60}, {});
+  ASSERT_TRUE(front) << front.error().message;
+  const FacetAttempt fine = facetBody(body, options, phi, &*front, Deadline(60));
+  EXPECT_TRUE(fine.check.pass()) << fine.check.reasons.front();
+  EXPECT_EQ(fine.planarFaces, 6);
+  EXPECT_GT(fine.facets, 100);
+
+  const FacetAttempt coarse = facetBody(body, options, phi, nullptr, Deadline(60));
+  EXPECT_FALSE(coarse.check.pass());
+  EXPECT_TRUE(coarse.check.valid);
+  EXPECT_TRUE(coarse.check.closed);
+  ASSERT_EQ(coarse.bodies.size(), 1U);
+  EXPECT_LT(coarse.facets, fine.facets);
+}
+
+TEST(JoinNearBodies, PutsTogetherWhatGrowsTogether) {
+  const std::vector<Body> bodies = {test::solidBody(movedBox(2, 0)),
+                                    test::solidBody(movedBox(2, 10)),
+                                    test::solidBody(movedBox(2, 3))};
+  std::vector<std::string> warnings;
+  EXPECT_EQ(joinNearBodies(bodies, -5, warnings).size(), 3U);
+  EXPECT_EQ(joinNearBodies(bodies, 0.4, warnings).size(), 3U);
+  EXPECT_TRUE(warnings.empty());
+  const std::vector<Body> two = joinNearBodies(bodies, 0.6, warnings);
+  ASSERT_EQ(two.size(), 2U);
+  EXPECT_EQ(faceCount(two[0].shape), 12);
+  EXPECT_EQ(faceCount(two[1].shape), 6);
+  EXPECT_EQ(warnings.size(), 1U);
+  EXPECT_EQ(joinNearBodies(bodies, 3, warnings).size(), 1U);
+}
+
+}  // namespace
+}  // namespace phront::cad
