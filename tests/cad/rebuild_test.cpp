@@ -92,7 +92,7 @@ TEST(FillGaps, ClosesWhereAPieceIsMissing) {
 TEST(ExchangeFault, OpenSolidsAreFound) {
   Model good;
   good.bodies.push_back(test::solidBody(test::filletedBox(4, 0.5)));
-  EXPECT_EQ(exchangeFault(good, 1), "");
+  EXPECT_EQ(exchangeFault(good, 0.01), "");
 
   BRepBuilderAPI_Sewing sewing;
   std::vector<TopoDS_Face> faces = facesOf(test::box(1, 1, 1));
@@ -101,7 +101,7 @@ TEST(ExchangeFault, OpenSolidsAreFound) {
   sewing.Perform();
   Model open;
   open.bodies.push_back(test::solidBody(sewing.SewedShape()));
-  EXPECT_NE(exchangeFault(open, 1), "");
+  EXPECT_NE(exchangeFault(open, 0.01), "");
 }
 
 TEST(MakeFront, EndsInTimeAndSaysWhatItLeftOut) {

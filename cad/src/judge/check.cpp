@@ -39,9 +39,6 @@ constexpr int kFewestKept = 5;
 // part and against d, yet no finer, since queries and meshing are most of the time.
 constexpr double kDeflectionOfDiagonal = 4e-4;
 constexpr double kDeflectionOfDistance = 0.015;
-// What a user's programs tessellate a part with; every face must survive it.
-constexpr double kUsualOfDiagonal = 1e-4;
-constexpr double kUsualOfDistance = 0.02;
 constexpr double kFinestOfDiagonal = 2e-6;  // keeps the triangle count finite for tiny distances
 constexpr double kMeshAngle = 0.25;         // rad
 constexpr std::uint64_t kAccuracySeed = 0x9e3779b97f4a7c15;
@@ -159,9 +156,10 @@ double roughDiagonal(const Model& model) {
   return box.CornerMin().Distance(box.CornerMax());
 }
 
-double deflectionOf(double diagonal, double ofDiagonal, double distance, double ofDistance) {
-  return std::max(std::min(ofDiagonal * diagonal, ofDistance * std::abs(distance)),
-                  kFinestOfDiagonal * diagonal);
+double deflectionFor(double diagonal, double distance) {
+  return std::max(
+      std::min(kDeflectionOfDiagonal * diagonal, kDeflectionOfDistance * std::abs(distance)),
+      kFinestOfDiagonal * diagonal);
 }
 
 std::string at(const Vec3& p) {
@@ -281,8 +279,7 @@ Figures measure(const Model& in, const Model& out, MeasureOptions options, doubl
   Figures figures;
   figures.outEmpty = isEmpty(out);
   TessellateOptions mesh;
-  mesh.deflection = deflectionOf(roughDiagonal(in), kDeflectionOfDiagonal, options.distance,
-                                 kDeflectionOfDistance);
+  mesh.deflection = deflectionFor(roughDiagonal(in), options.distance);
   mesh.angle = kMeshAngle;
   mesh.distance = std::abs(options.distance);
   const auto inDistance = ModelDistance::build(in.bodies, mesh, "the input");
@@ -310,9 +307,9 @@ Figures measure(const Model& in, const Model& out, MeasureOptions options, doubl
     figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
   }
   if (judge(figures, tolerance).pass()) {  // meshing again takes time; only a pass can suffer
-    const double usual = deflectionOf(inDistance->box().diagonal().norm(), kUsualOfDiagonal,
-                                      options.distance, kUsualOfDistance);
-    figures.untessellated = facesWithoutTriangles(shape, usual, kMeshAngle);
+    const double diagonal = inDistance->box().diagonal().norm();
+    figures.untessellated =
+        facesWithoutTriangles(shape, usualDeflection(diagonal, options.distance));
   }
   return figures;
 }

@@ -27,6 +27,11 @@
 namespace phront::cad {
 namespace {
 
+constexpr double kUsualOfDiagonal = 1e-4;
+constexpr double kUsualOfDistance = 0.02;
+constexpr double kFinestOfDiagonal = 2e-6;  // keeps the triangle count finite for tiny distances
+constexpr double kUsualAngle = 0.25;        // rad
+
 // Bnd_Box encloses poles, not the surface itself, so it is never too small; the rest is round-off.
 constexpr double kVolumeSlack = 1 + 1e-6;
 
@@ -92,9 +97,14 @@ TopologyFigures measureTopology(const TopoDS_Shape& shape) {
   return figures;
 }
 
-int facesWithoutTriangles(const TopoDS_Shape& shape, double deflection, double angle) {
+double usualDeflection(double diagonal, double distance) {
+  return std::max(std::min(kUsualOfDiagonal * diagonal, kUsualOfDistance * std::abs(distance)),
+                  kFinestOfDiagonal * diagonal);
+}
+
+int facesWithoutTriangles(const TopoDS_Shape& shape, double deflection) {
   BRepTools::Clean(shape);
-  BRepMesh_IncrementalMesh(shape, deflection, Standard_False, angle, Standard_False);
+  BRepMesh_IncrementalMesh(shape, deflection, Standard_False, kUsualAngle, Standard_False);
   int missing = 0;
   for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
     TopLoc_Location location;

@@ -26,8 +26,11 @@ struct TopologyFigures {
 /// May throw, hang or crash with OpenCASCADE on a bad shape: call it in runInChild.
 [[nodiscard]] TopologyFigures measureTopology(const TopoDS_Shape& shape);
 
+/// What a user's programs tessellate the offset by `distance` of a part of this diagonal with, mm.
+[[nodiscard]] double usualDeflection(double diagonal, double distance);
+
 /// Faces that OpenCASCADE's mesher gives no triangles for when it is called plainly: what needs
 /// special care to be meshed here fails elsewhere. Leaves the triangles on the shape; as above.
-[[nodiscard]] int facesWithoutTriangles(const TopoDS_Shape& shape, double deflection, double angle);
+[[nodiscard]] int facesWithoutTriangles(const TopoDS_Shape& shape, double deflection);
 
 }  // namespace phront::cad

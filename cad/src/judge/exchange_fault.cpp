@@ -13,7 +13,6 @@
 
 #include "exchange/guard.h"
 #include "judge/check_topology.h"
-#include "patches/patch_tools.h"
 #include "phront/cad/exchange.h"
 #include "phront/cad/shape_occt.h"
 
@@ -23,10 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr GuardLimits kLimits{20, 2000};
-// What a user's programs tessellate a part with: of the diagonal, of |d|; rad.
-constexpr double kDeflectionOfDiagonal = 1e-4;
-constexpr double kDeflectionOfDistance = 0.02;
-constexpr double kAngle = 0.25;
 
 /// A folder of its own that goes with everything in it.
 class TemporaryFolder {
@@ -50,21 +45,19 @@ class TemporaryFolder {
   fs::path path_;
 };
 
-std::string faultOf(const TopoDS_Shape& shape, bool solid, double distance) {
+std::string faultOf(const TopoDS_Shape& shape, bool solid, double deflection) {
   const TopologyFigures figures = measureTopology(shape);
   if (solid && figures.solids == 0) return "the file holds no solid";
   if (solid && !figures.closed()) return "read back from a file it is not closed";
   if (!figures.valid) return "read back from a file it is not valid";
-  const double deflection = std::min(kDeflectionOfDiagonal * diagonalOf(shape),
-                                     kDeflectionOfDistance * std::abs(distance));
-  const int bad = facesWithoutTriangles(shape, deflection, kAngle);
+  const int bad = facesWithoutTriangles(shape, deflection);
   if (bad > 0) return fmt::format("read back from a file {} faces cannot be tessellated", bad);
   return {};
 }
 
 }  // namespace
 
-std::string exchangeFault(const Model& out, double distance) {
+std::string exchangeFault(const Model& out, double deflection) {
   const TemporaryFolder folder;
   if (folder.path().empty()) return {};  // no place to try it: the written result is checked anyway
   const fs::path file = folder.path() / "result.step";
@@ -83,7 +76,7 @@ std::string exchangeFault(const Model& out, double distance) {
         TopoDS_Compound all;
         builder.MakeCompound(all);
         for (const Body& body : back->bodies) builder.Add(all, occtShape(body.shape));
-        return faultOf(all, solid, distance);
+        return faultOf(all, solid, deflection);
       });
   return fault ? *fault : fault.error().message;
 }

@@ -10,7 +10,7 @@ namespace phront::cad {
 /// Writes the solids or sheets to a temporary STEP file and reads it back as any other program
 /// would. Returns what is wrong with what comes back (not closed, not valid, faces that cannot be
 /// tessellated), empty when nothing is. STEP carries no tolerances: edges that meet loosely in
-/// memory may not meet in the file. `distance` (mm) of the offset sets how finely is tessellated.
-[[nodiscard]] std::string exchangeFault(const Model& out, double distance);
+/// memory may not meet in the file. `deflection`, mm: see usualDeflection().
+[[nodiscard]] std::string exchangeFault(const Model& out, double deflection);
 
 }  // namespace phront::cad

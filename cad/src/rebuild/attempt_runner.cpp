@@ -19,6 +19,7 @@
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
 #include "judge/check_body.h"
+#include "judge/check_topology.h"
 #include "judge/exchange_fault.h"
 #include "phront/cad/shape_occt.h"
 
@@ -115,7 +116,9 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
   if (check.pass()) {
     Model out;
     out.bodies = judged.bodies;
-    if (std::string fault = exchangeFault(out, options.distance); !fault.empty())
+    const double diagonal = phi.surface().box().diagonal().norm();
+    const double deflection = usualDeflection(diagonal, options.distance);
+    if (std::string fault = exchangeFault(out, deflection); !fault.empty())
       check.reasons.push_back(std::move(fault));
   }
   trial.accepted = check.pass();

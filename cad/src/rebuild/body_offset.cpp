@@ -125,111 +125,139 @@ Result<IsoSurface> frontOf(const TrueDistance& phi, const OffsetOptions& options
                    progress);
 }
 
-void useFacets(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-               const IsoSurface* front, const Deadline& deadline, BodyOffset& result) {
-  BodyReport& report = result.report;
-  FacetAttempt facets = facetBody(body, options, phi, front, deadline);
-  report.setting = "facets of the iso-surface";
-  report.check = std::move(facets.check);
-  report.facetedFaces = facets.facets;
-  report.exactFaces = facets.planarFaces;
-  report.kind = report.check.pass() ? OffsetKind::Faceted : OffsetKind::Failed;
-  result.bodies = std::move(facets.bodies);
-}
+/// One body on its way: each step takes its share of the time that is left.
+class BodyOffsetter {
+ public:
+  BodyOffsetter(const Body& body, const OffsetOptions& options, const Progress& progress)
+      : body_(body),
+        options_(options),
+        progress_(progress),
+        deadline_(options.timeLimit),
+        clock_(result_.times) {
+    result_.report.name = body.name;
+    result_.report.inputFaces = faceCount(body.shape);
+  }
 
-void useAttempt(JudgedAttempt attempt, OffsetKind kind, BodyOffset& result) {
-  BodyReport& report = result.report;
-  result.bodies = std::move(attempt.bodies);
-  report.kind = kind;
-  report.setting = attempt.setting;
-  report.check = std::move(attempt.check);
-  report.fittedFaces = attempt.fittedFaces;
-  report.exactFaces = report.check.faces - report.fittedFaces;
-}
+  Result<BodyOffset> run() {
+    if (!progress_.part(0, 0.1, "tessellate").report(0)) return cancelled();
+    const Body healed = withElementarySurfaces(body_, options_.distance, report().attempts);
+    clock_.lap("heal");
+    const Result<TrueDistance> phi =
+        prepareDistance(healed, options_.distance,
+                        deadline_.forStep(kTessellateShare, kLeastSeconds, kMostTessellateSeconds));
+    if (!phi) return tl::unexpected(phi.error());
+    clock_.lap("tessellate");
+
+    bool facetsMayFollow = body_.kind == BodyKind::Solid && phi->surface().closed();
+    // Inwards nothing may be left, which the front knows soonest.
+    if (facetsMayFollow && options_.distance < 0) {
+      if (Result<void> made = findFront(*phi, 0.1, 0.3); !made) return tl::unexpected(made.error());
+      if (front_ && front_->mesh.triangles.empty()) {
+        if (provenEmpty()) return std::move(result_);
+        facetsMayFollow = false;  // a rest thinner than the grid: exact patches may still find it
+      }
+    }
+    std::optional<JudgedAttempt> rejected;
+    if (tryExact(healed, *phi, facetsMayFollow, rejected)) return finish();
+    if (facetsMayFollow) {
+      if (options_.distance > 0) {
+        if (Result<void> made = findFront(*phi, 0.8, 0.9); !made)
+          return tl::unexpected(made.error());
+      }
+      if (!progress_.part(0.9, 1, "facets").report(0)) return cancelled();
+      useFacets(*phi);
+    } else {
+      report().check =
+          failedCheck(report().attempts.empty()
+                          ? "no way gave a result"
+                          : "no attempt gave a result that passes: " + report().attempts.back());
+    }
+    // Better a result that fails its check, marked as such, than none.
+    if (result_.bodies.empty() && rejected) useAttempt(std::move(*rejected), OffsetKind::Failed);
+    return finish();
+  }
+
+ private:
+  BodyReport& report() { return result_.report; }
+
+  static Result<BodyOffset> cancelled() {
+    return fail(ErrorCode::Cancelled, "the offset was cancelled");
+  }
+
+  Result<BodyOffset> finish() {
+    report().solids = report().check.solids;
+    return std::move(result_);
+  }
+
+  /// The front, if there is time for one.
+  Result<void> findFront(const TrueDistance& phi, double from, double to) {
+    Result<IsoSurface> made = frontOf(phi, options_, deadline_, progress_.part(from, to, "front"));
+    clock_.lap("front");
+    if (!made && made.error().code == ErrorCode::Cancelled) return tl::unexpected(made.error());
+    if (made)
+      front_ = std::move(*made);
+    else
+      report().attempts.push_back(made.error().message);
+    return {};
+  }
+
+  bool provenEmpty() {
+    const CheckResult check =
+        checkBody(body_, {}, options_, deadline_.forStep(1, kLeastSeconds, kCheckSeconds));
+    clock_.lap("check");
+    if (!check.pass()) return false;
+    report().kind = OffsetKind::Empty;
+    report().check = check;
+    return true;
+  }
+
+  /// True when an attempt is accepted; else `rejected` may hold the first that is at least closed.
+  bool tryExact(const Body& healed, const TrueDistance& phi, bool facetsMayFollow,
+                std::optional<JudgedAttempt>& rejected) {
+    const double share = facetsMayFollow ? kAttemptShare : kOnlyAttemptsShare;
+    AttemptLog log = runAttempts(body_, healed, options_, phi, Deadline(share * deadline_.left()),
+                                 progress_.part(0.3, 0.8, "exact patches"));
+    clock_.lap("exact patches");
+    report().attempts.insert(report().attempts.end(), log.lines.begin(), log.lines.end());
+    if (log.accepted) useAttempt(std::move(*log.accepted), OffsetKind::Exact);
+    rejected = std::move(log.rejected);
+    return log.accepted.has_value();
+  }
+
+  void useAttempt(JudgedAttempt attempt, OffsetKind kind) {
+    result_.bodies = std::move(attempt.bodies);
+    report().kind = kind;
+    report().setting = attempt.setting;
+    report().check = std::move(attempt.check);
+    report().fittedFaces = attempt.fittedFaces;
+    report().exactFaces = report().check.faces - report().fittedFaces;
+  }
+
+  void useFacets(const TrueDistance& phi) {
+    FacetAttempt facets = facetBody(body_, options_, phi, front_ ? &*front_ : nullptr, deadline_);
+    report().setting = "facets of the iso-surface";
+    report().check = std::move(facets.check);
+    report().facetedFaces = facets.facets;
+    report().exactFaces = facets.planarFaces;
+    report().kind = report().check.pass() ? OffsetKind::Faceted : OffsetKind::Failed;
+    result_.bodies = std::move(facets.bodies);
+    clock_.lap("facets");
+  }
+
+  const Body& body_;
+  const OffsetOptions& options_;
+  const Progress& progress_;
+  const Deadline deadline_;
+  BodyOffset result_;
+  StageClock clock_;
+  std::optional<IsoSurface> front_;
+};
 
 }  // namespace
 
 Result<BodyOffset> offsetBody(const Body& body, const OffsetOptions& options,
                               const Progress& progress) {
-  BodyOffset result;
-  BodyReport& report = result.report;
-  const Deadline deadline(options.timeLimit);
-  StageClock clock(result.times);
-  report.name = body.name;
-  report.inputFaces = faceCount(body.shape);
-
-  if (!progress.part(0, 0.1, "tessellate").report(0))
-    return fail(ErrorCode::Cancelled, "the offset was cancelled");
-  const Body healed = withElementarySurfaces(body, options.distance, report.attempts);
-  clock.lap("heal");
-  Result<TrueDistance> phi = prepareDistance(healed, options.distance,
-                                             deadline.forStep(kTessellateShare, kLeastSeconds, 45));
-  if (!phi) return tl::unexpected(phi.error());
-  clock.lap("tessellate");
-
-  const bool faceted = body.kind == BodyKind::Solid && phi->surface().closed();
-  std::optional<IsoSurface> front;
-  const auto makeFrontNow = [&](const Progress& part) -> Result<void> {
-    Result<IsoSurface> made = frontOf(*phi, options, deadline, part);
-    clock.lap("front");
-    if (!made && made.error().code == ErrorCode::Cancelled) return tl::unexpected(made.error());
-    if (made)
-      front = std::move(*made);
-    else
-      report.attempts.push_back(made.error().message);
-    return {};
-  };
-
-  // Inwards nothing may be left, which the front knows soonest.
-  if (faceted && options.distance < 0) {
-    const Result<void> made = makeFrontNow(progress.part(0.1, 0.3, "front"));
-    if (!made) return tl::unexpected(made.error());
-  }
-  const bool emptyFront = front && front->mesh.triangles.empty();
-  if (emptyFront) {
-    const CheckResult check =
-        checkBody(body, {}, options, deadline.forStep(1, kLeastSeconds, kCheckSeconds));
-    clock.lap("check");
-    if (check.pass()) {
-      report.kind = OffsetKind::Empty;
-      report.check = check;
-      return result;
-    }
-    // A rest thinner than the grid: the exact way may still find it.
-    front.reset();
-  }
-
-  const bool facetsMayFollow = faceted && !emptyFront;
-  const Deadline attempts(deadline.left() * (facetsMayFollow ? kAttemptShare : kOnlyAttemptsShare));
-  AttemptLog log =
-      runAttempts(body, healed, options, *phi, attempts, progress.part(0.3, 0.8, "exact patches"));
-  clock.lap("exact patches");
-  report.attempts.insert(report.attempts.end(), log.lines.begin(), log.lines.end());
-  if (log.accepted) {
-    useAttempt(std::move(*log.accepted), OffsetKind::Exact, result);
-    report.solids = report.check.solids;
-    return result;
-  }
-
-  if (facetsMayFollow && options.distance > 0) {
-    const Result<void> made = makeFrontNow(progress.part(0.8, 0.9, "front"));
-    if (!made) return tl::unexpected(made.error());
-  }
-  if (facetsMayFollow) {
-    if (!progress.part(0.9, 1, "facets").report(0))
-      return fail(ErrorCode::Cancelled, "the offset was cancelled");
-    useFacets(body, options, *phi, front ? &*front : nullptr, deadline, result);
-    clock.lap("facets");
-  } else {
-    report.check = failedCheck(report.attempts.empty() ? "no way gave a result"
-                                                       : "no attempt gave a result that passes: " +
-                                                             report.attempts.back());
-  }
-  // Better a result that fails its check, marked as such, than none.
-  if (result.bodies.empty() && log.rejected)
-    useAttempt(std::move(*log.rejected), OffsetKind::Failed, result);
-  report.solids = report.check.solids;
-  return result;
+  return BodyOffsetter(body, options, progress).run();
 }
 
 }  // namespace phront::cad
