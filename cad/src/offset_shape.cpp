@@ -28,8 +28,11 @@ constexpr double kLeastBodySeconds = 2;
 constexpr double kWorthSeconds = 5;
 // Bodies with faults: mostly in vain, so not for long.
 constexpr double kInvalidBodySeconds = 20;
-// Each, for reading the written file back and for checking what was read.
-constexpr double kReadBackSeconds = 20;
+// For writing, reading back and checking what was read: up to so many time limits in all.
+constexpr double kWithReadBack = 1.4;
+constexpr double kReadBackShare = 0.6;
+constexpr double kLeastReadBackSeconds = 10;
+constexpr double kMostReadBackSeconds = 45;
 constexpr double kLeastCheckSeconds = 10;
 
 Result<OffsetOptions> resolve(const Model& model, OffsetOptions options) {
@@ -235,6 +238,9 @@ Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
   if (result.model.bodies.empty()) return std::filesystem::path();
   std::filesystem::path aside = path;
   aside.replace_extension(".unchecked" + path.extension().string());
+  double spent = 0;
+  for (const StageTime& time : result.report.times) spent += time.seconds;
+  const Deadline deadline(kWithReadBack * result.report.options.timeLimit - spent);
   if (Result<void> written = writeModel(result.model, aside); !written)
     return tl::unexpected(written.error());
 
@@ -242,7 +248,8 @@ Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
   if (check.pass()) {
     ReadOptions asWritten;
     asWritten.repair = false;
-    asWritten.timeLimit = kReadBackSeconds;
+    asWritten.timeLimit =
+        deadline.forStep(kReadBackShare, kLeastReadBackSeconds, kMostReadBackSeconds);
     const Result<Model> back = readModel(aside, asWritten);
     if (!back) {
       check.reasons.push_back("the written file cannot be read back: " + back.error().message);
@@ -251,7 +258,7 @@ Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
       options.distance = result.report.options.distance;
       options.tolerance = result.report.options.tolerance;
       options.samples = kOfferedSamples;
-      options.timeLimit = kReadBackSeconds;
+      options.timeLimit = deadline.forStep(1, kLeastReadBackSeconds, kMostReadBackSeconds);
       const Result<CheckResult> again = checkOffset(in, *back, options);
       if (!again)
         check.reasons.push_back("the written file cannot be checked: " + again.error().message);

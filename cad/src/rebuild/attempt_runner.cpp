@@ -33,6 +33,8 @@ constexpr double kCheckSeconds = 30;
 constexpr double kLeastCheckSeconds = 10;  // also past the deadline: an attempt is worth it
 // No attempt is started with less time than this left, s.
 constexpr double kLeastAttempt = 1;
+// Nor with less than this share of the time that another setting found too short.
+constexpr double kShareOfTimeout = 0.5;
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
@@ -42,6 +44,7 @@ struct Trial {
   std::string line;
   std::optional<JudgedAttempt> judged;
   bool accepted = false;
+  bool timedOut = false;
 };
 
 // Bytes across the process border: 8 bytes of header length, JSON header, shape.
@@ -91,6 +94,7 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
                    return packAttempt(*attempt);
                  });
   if (!bytes) {
+    trial.timedOut = bytes.error().code == ErrorCode::ResourceLimit;
     say(bytes.error().message);
     return trial;
   }
@@ -156,10 +160,10 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
   const std::size_t wave = threads >= 2 ? 2 : 1;
   const bool sheet = body.kind == BodyKind::Sheet;
   AttemptLog log;
+  double leastWorth = kLeastAttempt;
   for (std::size_t first = 0; first < settings.size() && !log.accepted; first += wave) {
     const double left = deadline.left();
-    if (left < kLeastAttempt || !progress.report(static_cast<double>(first) / settings.size()))
-      break;
+    if (left < leastWorth || !progress.report(static_cast<double>(first) / settings.size())) break;
     const std::size_t count = std::min(wave, settings.size() - first);
     std::vector<Trial> trials(count);
     std::vector<std::thread> runners;  // they only wait for their child process
@@ -171,7 +175,11 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
       });
     }
     for (std::thread& runner : runners) runner.join();
-    for (Trial& trial : trials) {
+    for (std::size_t i = 0; i < count; ++i) {
+      Trial& trial = trials[i];
+      if (trial.timedOut)
+        leastWorth =
+            std::max(leastWorth, kShareOfTimeout * std::min(settings[first + i].timeLimit, left));
       log.lines.push_back(trial.line);
       if (!trial.judged) continue;
       const CheckResult& check = trial.judged->check;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <utility>
@@ -28,10 +29,13 @@ constexpr double kMostSeconds = 40;
 // A finer front is worth it with so much time left.
 constexpr double kWorthSeconds = 15;
 constexpr std::int64_t kFinerNodes = 600'000;
-// Coarse facets: some seconds whatever the part.
+// Coarse facets: some seconds whatever the part. The grid is no wider than the front is off the
+// part, else facets would cut through it.
 constexpr double kCoarseSpacing = 1.0 / 60;  // of the diagonal
-constexpr double kCoarseTolerance = 0.1;     // of |d|
-constexpr Index kCoarseFacets = 4000;
+constexpr double kCoarseSpacingOfDistance = 1.5;
+constexpr double kCoarseSquares = 25'000;  // over the part's area, whatever the spacing wanted
+constexpr double kCoarseTolerance = 0.1;   // of |d|
+constexpr Index kCoarseFacets = 8000;
 
 std::vector<std::optional<Plane>> planesOf(const FeatureTable& features) {
   std::vector<std::optional<Plane>> planes;
@@ -125,7 +129,10 @@ class FacetStage {
   FacetAttempt attemptCoarse() {
     IsoSurfaceOptions coarse;
     coarse.level = options_.distance;
-    coarse.spacing = kCoarseSpacing * phi_.surface().box().diagonal().norm();
+    coarse.spacing = std::min(kCoarseSpacing * phi_.surface().box().diagonal().norm(),
+                              kCoarseSpacingOfDistance * std::abs(options_.distance));
+    coarse.spacing =
+        std::max(*coarse.spacing, std::sqrt(area(phi_.surface().mesh()) / kCoarseSquares));
     coarse.mostRefinedNodes = 0;
     coarse.threads = options_.threads;
     const Result<IsoSurface> front = isoSurface(phi_.surface(), coarse);
