@@ -12,6 +12,7 @@
 #include "judge/check_body.h"
 #include "phront/facet.h"
 #include "rebuild/attempt_runner.h"
+#include "rebuild/facet_bias.h"
 #include "rebuild/facet_solid.h"
 #include "rebuild/front_stage.h"
 
@@ -56,8 +57,9 @@ int curvedFacets(const FacetedSurface& facets, const FeatureTable& features) {
 // Facets and their solid as bytes: "<curved facets> <facets>\n" and the shape.
 Result<std::string> makeFacetSolid(double distance, const FacetOptions& options,
                                    const TrueDistance& phi, const IsoSurface& front) {
-  const Result<FacetedSurface> facets = facetIsoSurface(phi.surface(), front, distance, options);
+  Result<FacetedSurface> facets = facetIsoSurface(phi.surface(), front, distance, options);
   if (!facets) return tl::unexpected(facets.error());
+  removeChordalBias(*facets, distance, phi);
   const Result<TopoDS_Shape> solid = solidOfFacets(*facets);
   if (!solid) return tl::unexpected(solid.error());
   return fmt::format("{} {}\n", curvedFacets(*facets, phi.tessellation().features),
