@@ -198,13 +198,9 @@ TEST(DistanceField, OpenSheetHasNoPhiBeyondItsBorder) {
 
 // Two overlapping boxes as one mesh: the walls inside the union have no sign of their own.
 TEST(DistanceField, RepairsSignsWhereTheSurfaceIntersectsItself) {
-  TriMesh mesh = test::box(Vec3(0, 0, 0), Vec3(2, 2, 2));
-  const TriMesh other = test::box(Vec3(1, 1, 1), Vec3(3, 3, 3));
-  for (const Vec3& p : other.points) mesh.points.push_back(p);
-  for (const auto& t : other.triangles) mesh.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
-  mesh.faceOf.clear();
-  mesh.edgeOf.clear();
-  mesh.vertexOf.clear();
+  TriMesh mesh;
+  test::append(mesh, test::box(Vec3(0, 0, 0), Vec3(2, 2, 2)));
+  test::append(mesh, test::box(Vec3(1, 1, 1), Vec3(3, 3, 3)));
   const SurfaceDistance surface = built(mesh);
   const DistanceField field = solved(surface, {.spacing = 0.1, .bandMin = -1, .bandMax = 0.5});
   EXPECT_GT(field.signRepairs(), 0);

@@ -141,4 +141,14 @@ inline TriMesh sheet(Index n) {
   return mesh;
 }
 
+/// Adds a mesh to another, without labels; `flip` turns it inside out, into a cavity.
+inline void append(TriMesh& all, const TriMesh& part, bool flip = false) {
+  const auto first = static_cast<Index>(all.points.size());
+  all.points.insert(all.points.end(), part.points.begin(), part.points.end());
+  for (auto t : part.triangles) {
+    if (flip) std::swap(t[1], t[2]);
+    all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+  }
+}
+
 }  // namespace phront::test

@@ -300,16 +300,6 @@ TEST(OpenSheet, HasASideAndABorder) {
   }
 }
 
-// Meshes side by side in one, without labels; `flip` turns a part inside out: a cavity.
-void append(TriMesh& all, const TriMesh& part, bool flip = false) {
-  const auto first = static_cast<Index>(all.points.size());
-  all.points.insert(all.points.end(), part.points.begin(), part.points.end());
-  for (auto t : part.triangles) {
-    if (flip) std::swap(t[1], t[2]);
-    all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-  }
-}
-
 TEST(SignRuleUnion, IsInsideWhereAnyPartIs) {
   const std::vector<Box3> solids = {{Vec3(0, 0, 0), Vec3(1, 1, 1)},            // touches the next
                                     {Vec3(1, 0, 0), Vec3(2, 1, 1)},            //
@@ -317,8 +307,8 @@ TEST(SignRuleUnion, IsInsideWhereAnyPartIs) {
                                     {Vec3(0.4, 0.4, 0.4), Vec3(0.6, 0.6, 0.6)}};  // in the cavity
   const Box3 cavity(Vec3(0.25, 0.25, 0.25), Vec3(0.75, 0.75, 0.75));              // of the first
   TriMesh mesh;
-  for (const Box3& solid : solids) append(mesh, test::box(solid.min(), solid.max()));
-  append(mesh, test::box(cavity.min(), cavity.max()), true);
+  for (const Box3& solid : solids) test::append(mesh, test::box(solid.min(), solid.max()));
+  test::append(mesh, test::box(cavity.min(), cavity.max()), true);
   auto surface = SurfaceDistance::build(mesh, SignRule::Union);
   ASSERT_TRUE(surface.has_value());
   int inside = 0;
@@ -407,13 +397,9 @@ TEST(SignedDistance, SurvivesZeroAreaAndFoldedTriangles) {
 }
 
 TEST(SignedDistance, SolidsThatTouchInAnEdgeHaveTheRightSign) {
-  TriMesh mesh = test::box(Vec3(0, 0, 0), Vec3(1, 1, 1));
-  const TriMesh other = test::box(Vec3(1, 1, 0), Vec3(2, 2, 1));
-  for (const Vec3& p : other.points) mesh.points.push_back(p);
-  for (const auto& t : other.triangles) mesh.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
-  mesh.faceOf.clear();
-  mesh.edgeOf.clear();
-  mesh.vertexOf.clear();
+  TriMesh mesh;
+  test::append(mesh, test::box(Vec3(0, 0, 0), Vec3(1, 1, 1)));
+  test::append(mesh, test::box(Vec3(1, 1, 0), Vec3(2, 2, 1)));
   mesh = weld(mesh);
   ASSERT_EQ(diagnose(mesh).nonManifoldEdges, 1);
   const SurfaceDistance surface = built(mesh);
