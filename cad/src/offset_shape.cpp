@@ -27,7 +27,7 @@ constexpr double kLeastBodySeconds = 2;
 // A second go at bodies that failed is worth it with so much time left.
 constexpr double kWorthSeconds = 5;
 // Bodies with faults: mostly in vain, so not for long.
-constexpr double kInvalidBodySeconds = 20;
+constexpr double kInvalidBodySeconds = 12;
 // For writing, reading back and checking what was read: up to so many time limits in all.
 constexpr double kWithReadBack = 1.4;
 constexpr double kReadBackShare = 0.6;
