@@ -181,12 +181,29 @@ TEST(IsoSurface, RefusesBadOptionsAndStopsWhenAsked) {
   EXPECT_EQ(code({.level = 0.1, .spacing = 0.0}), ErrorCode::InvalidArgument);
   EXPECT_EQ(code({.level = 0.1, .spacing = nan}), ErrorCode::InvalidArgument);
   EXPECT_EQ(code({.level = 0.1, .threads = -1}), ErrorCode::InvalidArgument);
+  EXPECT_EQ(code({.level = 0.1, .mostSquares = 0}), ErrorCode::InvalidArgument);
   EXPECT_EQ(code({.level = 0.1, .spacing = 1e-4}), ErrorCode::ResourceLimit);
   EXPECT_EQ(code({.level = 0.1, .spacing = 1e-9}), ErrorCode::ResourceLimit);
   const auto stopped =
       isoSurface(surface, {.level = 0.1}, Progress([](double, std::string_view) { return false; }));
   ASSERT_FALSE(stopped.has_value());
   EXPECT_EQ(stopped.error().code, ErrorCode::Cancelled);
+}
+
+TEST(IsoSurface, SpreadsNoMoreSquaresThanAllowed) {
+  const SurfaceDistance surface = distanceTo(test::box({0, 0, 0}, {1, 1, 1}));  // area 6
+  IsoSurfaceOptions options;
+  options.level = 0.1;
+  options.mostSquares = 600;
+  options.mostRefinedNodes = 0;
+  const auto iso = isoSurface(surface, options);
+  ASSERT_TRUE(iso.has_value()) << iso.error().message;
+  EXPECT_NEAR(iso->spacing, 0.1, 1e-12);
+  expectSound(surface, *iso, 0.1);
+  options.largestSpacing = 0.05;
+  const auto fine = isoSurface(surface, options);
+  ASSERT_TRUE(fine.has_value()) << fine.error().message;
+  EXPECT_NEAR(fine->spacing, 0.05, 1e-12);
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ struct IsoSurfaceOptions {
   /// The automatic spacing is no larger than this, model units: what chords may cut.
   double largestSpacing = std::numeric_limits<double>::infinity();
   /// The automatic spacing spreads no more squares than this over the surface's area, whatever |d|
-  /// asks for: work grows with area / h^2.
+  /// asks for: work grows with area / h^2. largestSpacing goes first.
   double mostSquares = std::numeric_limits<double>::infinity();
   /// Grids are halved for features thinner than h as long as the halved one has fewer nodes: about
   /// 3 microseconds each. Whatever this says, the first grid is made.

@@ -4,7 +4,8 @@
 // double. The answer is the least (squared distance, triangle id) over all triangles, whatever the
 // order of the walk: boxes never claim more than their content (see Bvh::squaredDistance), and both
 // triangles on an edge compute its foot with the same bits. Hence a warm start changes the cost of
-// a query and nothing else. Sign: angle-weighted pseudonormal of the face, edge or vertex that
+// a query and nothing else; so do the pieces that long triangles' boxes are cut into. Sign:
+// angle-weighted pseudonormal of the face, edge or vertex that
 // holds the foot (Baerentzen & Aanaes, "Signed distance computation using the angle weighted
 // pseudonormal", 2005). Weak spots: their proof needs an embedded 2-manifold. Where a closed mesh
 // is not one (edges of more than two triangles, points with several fans, zero-area triangles,
