@@ -89,10 +89,21 @@ TEST(FillGaps, ClosesWhereAPieceIsMissing) {
   }
 }
 
+// Roundings of tiny distances are divided as the deflection asks, not finer: along an edge of many
+// thousand |d| triangles as long as they are wide would be too many.
+TEST(MeshSize, TinyDistancesStayCoarse) {
+  const MeshSize common = usualMeshSize({1000, 5, true});
+  EXPECT_NEAR(common.deflection, 0.1, 1e-12);
+  const MeshSize tiny = usualMeshSize({1000, 0.01, true});
+  EXPECT_GT(tiny.deflection, 0.01);
+  EXPECT_GT(tiny.angle, 3 * common.angle);
+  EXPECT_LT(tiny.angle, 2);
+}
+
 TEST(ExchangeFault, OpenSolidsAreFound) {
   Model good;
   good.bodies.push_back(test::solidBody(test::filletedBox(4, 0.5)));
-  EXPECT_EQ(exchangeFault(good, 0.01), "");
+  EXPECT_EQ(exchangeFault(good, usualMeshSize({1, 0.1, true})), "");
 
   BRepBuilderAPI_Sewing sewing;
   std::vector<TopoDS_Face> faces = facesOf(test::box(1, 1, 1));
@@ -101,7 +112,7 @@ TEST(ExchangeFault, OpenSolidsAreFound) {
   sewing.Perform();
   Model open;
   open.bodies.push_back(test::solidBody(sewing.SewedShape()));
-  EXPECT_NE(exchangeFault(open, 0.01), "");
+  EXPECT_NE(exchangeFault(open, usualMeshSize({1, 0.1, true})), "");
 }
 
 TEST(MakeFront, EndsInTimeAndSaysWhatItLeftOut) {

@@ -39,8 +39,6 @@ constexpr int kFewestKept = 5;
 // part and against d, yet no finer, since queries and meshing are most of the time.
 constexpr double kDeflectionOfDiagonal = 4e-4;
 constexpr double kDeflectionOfDistance = 0.015;
-constexpr double kFinestOfDiagonal = 2e-6;  // keeps the triangle count finite for tiny distances
-constexpr double kMeshAngle = 0.25;         // rad
 constexpr std::uint64_t kAccuracySeed = 0x9e3779b97f4a7c15;
 constexpr std::uint64_t kCoverageSeed = 0xbf58476d1ce4e5b9;
 
@@ -156,12 +154,6 @@ double roughDiagonal(const Model& model) {
   return box.CornerMin().Distance(box.CornerMax());
 }
 
-double deflectionFor(double diagonal, double distance) {
-  return std::max(
-      std::min(kDeflectionOfDiagonal * diagonal, kDeflectionOfDistance * std::abs(distance)),
-      kFinestOfDiagonal * diagonal);
-}
-
 std::string at(const Vec3& p) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
 }
@@ -275,12 +267,17 @@ CheckResult judge(const Figures& f, double tolerance) {
 }
 
 /// Runs in the child.
-Figures measure(const Model& in, const Model& out, MeasureOptions options, double tolerance) {
+Figures measure(const Model& in, const Model& out, MeasureOptions options, double tolerance,
+                bool meshPlainly) {
   Figures figures;
   figures.outEmpty = isEmpty(out);
   TessellateOptions mesh;
-  mesh.deflection = deflectionFor(roughDiagonal(in), options.distance);
-  mesh.angle = kMeshAngle;
+  const bool solid = std::any_of(in.bodies.begin(), in.bodies.end(),
+                                 [](const Body& b) { return b.kind == BodyKind::Solid; });
+  const MeshSize size = meshSize({roughDiagonal(in), options.distance, solid},
+                                 kDeflectionOfDiagonal, kDeflectionOfDistance);
+  mesh.deflection = size.deflection;
+  mesh.angle = size.angle;
   mesh.distance = std::abs(options.distance);
   const auto inDistance = ModelDistance::build(in.bodies, mesh, "the input");
   if (!inDistance) {
@@ -306,10 +303,11 @@ Figures measure(const Model& in, const Model& out, MeasureOptions options, doubl
     figures.outError = outDistance.error().message;
     figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
   }
-  if (judge(figures, tolerance).pass()) {  // meshing again takes time; only a pass can suffer
+  if (meshPlainly &&
+      judge(figures, tolerance).pass()) {  // meshing again takes time; only a pass can suffer
     const double diagonal = inDistance->box().diagonal().norm();
     figures.untessellated =
-        facesWithoutTriangles(shape, usualDeflection(diagonal, options.distance));
+        facesWithoutTriangles(shape, usualMeshSize({diagonal, options.distance, solid}));
   }
   return figures;
 }
@@ -345,7 +343,7 @@ Result<CheckResult> checkOffset(const Model& in, const Model& out, const CheckOp
   limits.seconds = options.timeLimit;
   const double tolerance = resolved->tolerance / kCheckStrictness;
   const auto bytes = runInChild("checking the result", limits, [&]() -> Result<std::string> {
-    return bytesOf(measure(in, out, *resolved, tolerance));
+    return bytesOf(measure(in, out, *resolved, tolerance, options.meshPlainly));
   });
   if (!progress.report(1)) return fail(ErrorCode::Cancelled, "the check was cancelled");
   if (!bytes) {

@@ -21,6 +21,7 @@ CheckResult checkBody(const Body& body, const std::vector<Body>& result,
   check.tolerance = options.tolerance;
   check.samples = kOfferedSamples;
   check.timeLimit = seconds;
+  check.meshPlainly = false;  // the result's file is
   const Result<CheckResult> checked = checkOffset(in, out, check);
   return checked ? *checked : failedCheck(checked.error().message);
 }

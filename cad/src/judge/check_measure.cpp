@@ -115,6 +115,11 @@ class TrueOffset {
   [[nodiscard]] double reach(const Vec3& q) const { return in_.distance(q); }
   [[nodiscard]] bool kept(double reach) const { return reach >= bound(kLooseKeep); }
   [[nodiscard]] bool firm(double reach) const { return reach >= bound(kFirmKeep); }
+  /// How far OUT misses q. Where an edge of IN lies off its faces, q is farther than |d| from IN,
+  /// and as much off the true offset, too.
+  [[nodiscard]] double missed(const Vec3& q, double reach, const ModelDistance& out) const {
+    return std::max(0.0, out.distance(q) - std::max(0.0, reach - std::abs(distance_)));
+  }
   [[nodiscard]] bool rightSide(const Vec3& q) const {
     return !in_.hasSolids() || in_.inside(q) == (distance_ < 0);
   }
@@ -138,7 +143,7 @@ class CoverageTally {
     ++figures.kept;
     if (offset.firm(reach)) ++figures.firm;
     if (out_ == nullptr) return 0;
-    const double error = out_->distance(q);
+    const double error = offset.missed(q, reach, *out_);
     errors_.add(error, weight);
     raise(error, q);
     return error;
@@ -212,15 +217,18 @@ void searchUncovered(const ModelDistance& in, const ModelDistance& out, const Tr
   for (const Scored& suspect : suspects) {
     if (++exact > kMostExact) break;
     const Vec3 q = offset.of(suspect.sample);
-    if (!offset.kept(offset.reach(q))) continue;
-    const double error = out.distance(q);
+    const double reach = offset.reach(q);
+    if (!offset.kept(reach)) continue;
+    const double error = offset.missed(q, reach, out);
     tally.raise(error, q);
     seeds.push_back({suspect.sample, error});
   }
   sortByScore(seeds);
   const auto uncovered = [&](const SurfaceSample& s) {
     const Vec3 q = offset.of(s);
-    return offset.mayBeKept(q) && offset.kept(offset.reach(q)) ? out.distance(q) : 0.0;
+    if (!offset.mayBeKept(q)) return 0.0;
+    const double reach = offset.reach(q);
+    return offset.kept(reach) ? offset.missed(q, reach, out) : 0.0;
   };
   if (!seeds.empty()) {
     const Scored top = climbAll(in, seeds, uncovered, rng);
@@ -234,8 +242,9 @@ void searchUncovered(const ModelDistance& in, const ModelDistance& out, const Tr
     for (const OffsetCandidate& c :
          roundingCandidates(in.shape(b), options.distance, denser, rng)) {
       if (out.meshDistance(c.point) <= floor || !offset.mayBeKept(c.point)) continue;
-      if (!offset.kept(offset.reach(c.point)) || !offset.rightSide(c.point)) continue;
-      tally.raise(out.distance(c.point), c.point);
+      const double reach = offset.reach(c.point);
+      if (!offset.kept(reach) || !offset.rightSide(c.point)) continue;
+      tally.raise(offset.missed(c.point, reach, out), c.point);
       if (tally.figures.max > options.maxTolerance) return;
     }
   }

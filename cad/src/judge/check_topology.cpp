@@ -29,8 +29,11 @@ namespace {
 
 constexpr double kUsualOfDiagonal = 1e-4;
 constexpr double kUsualOfDistance = 0.02;
-constexpr double kFinestOfDiagonal = 2e-6;  // keeps the triangle count finite for tiny distances
-constexpr double kUsualAngle = 0.25;        // rad
+// Keeps the triangle count finite for tiny distances; coarser where no rounding can be missed.
+constexpr double kFinestOfSolid = 2e-5;
+constexpr double kFinestOfSheet = 5e-5;
+constexpr double kAngle = 0.25;  // rad
+constexpr double kCoarsestAngle = 1.6;
 
 // Bnd_Box encloses poles, not the surface itself, so it is never too small; the rest is round-off.
 constexpr double kVolumeSlack = 1 + 1e-6;
@@ -97,14 +100,23 @@ TopologyFigures measureTopology(const TopoDS_Shape& shape) {
   return figures;
 }
 
-double usualDeflection(double diagonal, double distance) {
-  return std::max(std::min(kUsualOfDiagonal * diagonal, kUsualOfDistance * std::abs(distance)),
-                  kFinestOfDiagonal * diagonal);
+MeshSize meshSize(const OffsetScale& scale, double shareOfDiagonal, double shareOfDistance) {
+  const double radius = std::abs(scale.distance);
+  const double finest = scale.solid ? kFinestOfSolid : kFinestOfSheet;
+  const double deflection =
+      std::max(std::min(shareOfDiagonal * scale.diagonal, shareOfDistance * radius),
+               finest * scale.diagonal);
+  const double height = std::min(deflection / radius, 1 - std::cos(0.5 * kCoarsestAngle));
+  return {deflection, std::max(kAngle, 2 * std::acos(1 - height))};
 }
 
-int facesWithoutTriangles(const TopoDS_Shape& shape, double deflection) {
+MeshSize usualMeshSize(const OffsetScale& scale) {
+  return meshSize(scale, kUsualOfDiagonal, kUsualOfDistance);
+}
+
+int facesWithoutTriangles(const TopoDS_Shape& shape, const MeshSize& size) {
   BRepTools::Clean(shape);
-  BRepMesh_IncrementalMesh(shape, deflection, Standard_False, kUsualAngle, Standard_False);
+  BRepMesh_IncrementalMesh(shape, size.deflection, Standard_False, size.angle, Standard_False);
   int missing = 0;
   for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
     TopLoc_Location location;

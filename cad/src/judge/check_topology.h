@@ -26,11 +26,30 @@ struct TopologyFigures {
 /// May throw, hang or crash with OpenCASCADE on a bad shape: call it in runInChild.
 [[nodiscard]] TopologyFigures measureTopology(const TopoDS_Shape& shape);
 
-/// What a user's programs tessellate the offset by `distance` of a part of this diagonal with, mm.
-[[nodiscard]] double usualDeflection(double diagonal, double distance);
+/// How finely faces are tessellated.
+struct MeshSize {
+  double deflection;  ///< mm
+  double angle;       ///< rad, between neighbouring normals
+};
+
+/// What an offset is measured on.
+struct OffsetScale {
+  double diagonal;  ///< mm, of the part
+  double distance;  ///< mm
+  bool solid;       ///< has roundings of radius |distance|; sheets get none
+};
+
+/// The smaller of the two shares, but finite in number for tiny distances. There roundings are
+/// divided no finer than the deflection asks: an edge of many thousand |d| would else be cut into
+/// as many slivers.
+[[nodiscard]] MeshSize meshSize(const OffsetScale& scale, double shareOfDiagonal,
+                                double shareOfDistance);
+
+/// What a user's programs tessellate such an offset with.
+[[nodiscard]] MeshSize usualMeshSize(const OffsetScale& scale);
 
 /// Faces that OpenCASCADE's mesher gives no triangles for when it is called plainly: what needs
 /// special care to be meshed here fails elsewhere. Leaves the triangles on the shape; as above.
-[[nodiscard]] int facesWithoutTriangles(const TopoDS_Shape& shape, double deflection);
+[[nodiscard]] int facesWithoutTriangles(const TopoDS_Shape& shape, const MeshSize& size);
 
 }  // namespace phront::cad

@@ -45,19 +45,19 @@ class TemporaryFolder {
   fs::path path_;
 };
 
-std::string faultOf(const TopoDS_Shape& shape, bool solid, double deflection) {
+std::string faultOf(const TopoDS_Shape& shape, bool solid, const MeshSize& size) {
   const TopologyFigures figures = measureTopology(shape);
   if (solid && figures.solids == 0) return "the file holds no solid";
   if (solid && !figures.closed()) return "read back from a file it is not closed";
   if (!figures.valid) return "read back from a file it is not valid";
-  const int bad = facesWithoutTriangles(shape, deflection);
+  const int bad = facesWithoutTriangles(shape, size);
   if (bad > 0) return fmt::format("read back from a file {} faces cannot be tessellated", bad);
   return {};
 }
 
 }  // namespace
 
-std::string exchangeFault(const Model& out, double deflection) {
+std::string exchangeFault(const Model& out, const MeshSize& size) {
   const TemporaryFolder folder;
   if (folder.path().empty()) return {};  // no place to try it: the written result is checked anyway
   const fs::path file = folder.path() / "result.step";
@@ -76,7 +76,7 @@ std::string exchangeFault(const Model& out, double deflection) {
         TopoDS_Compound all;
         builder.MakeCompound(all);
         for (const Body& body : back->bodies) builder.Add(all, occtShape(body.shape));
-        return faultOf(all, solid, deflection);
+        return faultOf(all, solid, size);
       });
   return fault ? *fault : fault.error().message;
 }

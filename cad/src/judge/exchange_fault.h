@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "judge/check_topology.h"
 #include "phront/cad/shape.h"
 
 namespace phront::cad {
@@ -10,7 +11,7 @@ namespace phront::cad {
 /// Writes the solids or sheets to a temporary STEP file and reads it back as any other program
 /// would. Returns what is wrong with what comes back (not closed, not valid, faces that cannot be
 /// tessellated), empty when nothing is. STEP carries no tolerances: edges that meet loosely in
-/// memory may not meet in the file. `deflection`, mm: see usualDeflection().
-[[nodiscard]] std::string exchangeFault(const Model& out, double deflection);
+/// memory may not meet in the file. `size`: see usualMeshSize().
+[[nodiscard]] std::string exchangeFault(const Model& out, const MeshSize& size);
 
 }  // namespace phront::cad

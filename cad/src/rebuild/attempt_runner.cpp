@@ -121,8 +121,8 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
     Model out;
     out.bodies = judged.bodies;
     const double diagonal = phi.surface().box().diagonal().norm();
-    const double deflection = usualDeflection(diagonal, options.distance);
-    if (std::string fault = exchangeFault(out, deflection); !fault.empty())
+    const MeshSize size = usualMeshSize({diagonal, options.distance, body.kind == BodyKind::Solid});
+    if (std::string fault = exchangeFault(out, size); !fault.empty())
       check.reasons.push_back(std::move(fault));
   }
   trial.accepted = check.pass();

@@ -26,7 +26,8 @@ using Clock = std::chrono::steady_clock;
 // what is left disappears where feet are refined on the true surface.
 constexpr double kDeflectionOfDistance = 0.004;
 // ... but not finer than this share of the diagonal: tiny distances on large parts.
-constexpr double kFinestDeflection = 4e-6;
+constexpr double kFinestDeflection = 2e-5;
+constexpr double kFinestOfSheet = 5e-5;  // no roundings, no facets
 // ... and not coarser: large distances still need the shape.
 constexpr double kCoarsestDeflection = 3e-4;
 // How far a recognised plane, cylinder, ... may lie from the freeform face it stands for: of the
@@ -65,15 +66,17 @@ class StageClock {
   Clock::time_point start_;
 };
 
-double deflectionFor(double distance, double diagonal) {
-  return std::clamp(kDeflectionOfDistance * std::abs(distance), kFinestDeflection * diagonal,
+double deflectionFor(const Body& body, double distance) {
+  const double diagonal = diagonalOf(occtShape(body.shape));
+  const double finest = body.kind == BodyKind::Solid ? kFinestDeflection : kFinestOfSheet;
+  return std::clamp(kDeflectionOfDistance * std::abs(distance), finest * diagonal,
                     kCoarsestDeflection * diagonal);
 }
 
 Result<TrueDistance> prepareDistance(const Body& body, double distance, double seconds) {
   TessellateOptions tessellation;
   tessellation.distance = std::abs(distance);
-  tessellation.deflection = deflectionFor(distance, diagonalOf(occtShape(body.shape)));
+  tessellation.deflection = deflectionFor(body, distance);
   tessellation.smoothTolerance = tessellation.deflection;
   tessellation.timeLimit = seconds;
   Result<Tessellation> mesh = tessellate(body, tessellation);

@@ -22,6 +22,9 @@ struct CheckOptions {
       std::nullopt;       ///< mm, bound on 99th percentiles; default 1 % of |d|
   int samples = 20'000;   ///< over the whole surface, and at least 20 on each face
   double timeLimit = 60;  ///< s, for the guarded child that measures
+  /// Also tessellate OUT as other programs do, without the care that measuring takes: a face that
+  /// gets no triangles there is a fault.
+  bool meshPlainly = true;
 };
 
 /// All lengths in mm. "accuracy" samples OUT against the true IN; "coverage" samples the true
