@@ -1,0 +1,17 @@
+// One Gauss-Seidel sweep of the second-order scheme over one tile.
+#pragma once
+
+#include "field/godunov_tile.h"
+
+namespace phront {
+
+/// Replaces the values by the upwind scheme with one-sided differences of second order, nodes in
+/// the order `ordering` as in sweepTile(). Needs values that are right to first order. Returns
+/// whether a value changed by more than `tolerance`.
+template <int Dim>
+bool refineTile(const TileView<Dim>& tile, unsigned ordering, double tolerance);
+
+extern template bool refineTile<2>(const TileView<2>&, unsigned, double);
+extern template bool refineTile<3>(const TileView<3>&, unsigned, double);
+
+}  // namespace phront
