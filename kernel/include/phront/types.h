@@ -7,6 +7,7 @@
 
 namespace phront {
 
+using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 using Box3 = Eigen::AlignedBox3d;
 

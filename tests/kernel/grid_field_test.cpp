@@ -1,0 +1,82 @@
+#include "phront/grid_field.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "meshes.h"
+
+namespace phront {
+namespace {
+
+CurveDistance ring() {
+  std::vector<Vec2> outer;
+  std::vector<Vec2> inner;
+  for (int i = 0; i < 400; ++i) {
+    const double angle = 2 * std::numbers::pi * i / 400;
+    outer.emplace_back(std::cos(angle), std::sin(angle));
+    inner.emplace_back(0.4 * std::cos(-angle), 0.4 * std::sin(-angle));
+  }
+  return *CurveDistance::build(joined(curveThrough(outer, true), curveThrough(inner, true)));
+}
+
+// Signs must agree everywhere, magnitudes to the order of the scheme.
+TEST(GridField, SweptAgreesWithExactInThePlane) {
+  const CurveDistance curves = ring();
+  const NodeGrid grid{{121, 101, 1}, 0.025, Vec3(-1.5, -1.25, 0)};
+  const auto exact = solveGridField(grid, curves);
+  ASSERT_TRUE(exact);
+  for (const EikonalOrder order : {EikonalOrder::First, EikonalOrder::Second}) {
+    const auto swept =
+        solveGridField(grid, curves, {.solver = FieldSolver::Godunov, .order = order});
+    ASSERT_TRUE(swept);
+    EXPECT_GT(swept->sweeps, 0);
+    double worst = 0;
+    int inside = 0;
+    for (std::size_t n = 0; n < exact->phi.size(); ++n) {
+      EXPECT_EQ(std::signbit(swept->phi[n]), std::signbit(exact->phi[n]));
+      if (swept->seed[n]) {
+        EXPECT_EQ(swept->phi[n], exact->phi[n]);
+      }
+      inside += exact->phi[n] < 0 ? 1 : 0;
+      worst = std::max(worst, std::abs(swept->phi[n] - exact->phi[n]));
+    }
+    EXPECT_GT(inside, 1000);
+    EXPECT_LT(worst, grid.spacing);
+  }
+}
+
+TEST(GridField, SweptAgreesWithExactInSpace) {
+  const auto surface = SurfaceDistance::build(test::sphere(1, 4));
+  ASSERT_TRUE(surface);
+  const NodeGrid grid{{31, 33, 35}, 0.1, Vec3(-1.5, -1.6, -1.7)};
+  const auto exact = solveGridField(grid, *surface);
+  const auto swept = solveGridField(grid, *surface, {.solver = FieldSolver::Godunov});
+  ASSERT_TRUE(exact && swept);
+  double worst = 0;
+  for (std::size_t n = 0; n < exact->phi.size(); ++n) {
+    EXPECT_EQ(std::signbit(swept->phi[n]), std::signbit(exact->phi[n]));
+    worst = std::max(worst, std::abs(swept->phi[n] - exact->phi[n]));
+  }
+  EXPECT_GT(worst, 0);  // it was swept
+  EXPECT_LT(worst, grid.spacing);
+}
+
+TEST(GridField, RefusesBadInput) {
+  const CurveDistance curves = ring();
+  EXPECT_FALSE(solveGridField({{5, 5, 5}, 1, Vec3::Zero()}, curves));
+  EXPECT_FALSE(solveGridField({{5, 0, 1}, 1, Vec3::Zero()}, curves));
+  EXPECT_FALSE(solveGridField({{5, 5, 1}, -1, Vec3::Zero()}, curves));
+  // No node comes near the ring: nothing to start from.
+  EXPECT_FALSE(
+      solveGridField({{5, 5, 1}, 0.01, Vec3(9, 9, 0)}, curves, {.solver = FieldSolver::Godunov}));
+  const auto open = CurveDistance::build(curveThrough({{0, 0}, {1, 0}}, false));
+  const auto swept =
+      solveGridField({{5, 5, 1}, 0.5, Vec3(-1, -1, 0)}, *open, {.solver = FieldSolver::Godunov});
+  ASSERT_FALSE(swept);
+  EXPECT_EQ(swept.error().where, "solver");
+}
+
+}  // namespace
+}  // namespace phront
