@@ -203,6 +203,27 @@ TEST(Eikonal, SmoothSpeedSecondOrder) {
   EXPECT_GT(std::log2(worst(80, EikonalOrder::Second) / worst(160, EikonalOrder::Second)), 1.8);
 }
 
+// Fronts that meet head on in planes of nodes, and speeds that jump: the choice of stencils must
+// not flip for ever.
+TEST(Eikonal, SecondOrderEndsAtTies) {
+  Problem box{{{41, 41, 41}, 0.025, Vec3::Zero()}, {}, {}};
+  for (std::int32_t k = 0; k < 41; ++k) {
+    for (std::int32_t j = 0; j < 41; ++j) {
+      for (std::int32_t i = 0; i < 41; ++i) {
+        const Vec3 a =
+            (box.grid.position(i, j, k) - Vec3::Constant(0.5)).cwiseAbs() - Vec3::Constant(0.3);
+        const double distance = std::abs(a.cwiseMax(0).norm() + std::min(a.maxCoeff(), 0.0));
+        box.known.push_back(distance < 0.06 ? distance : kUnknown);
+      }
+    }
+  }
+  for (const Problem& p : {box, randomProblem({31, 25, 17}, 2), randomProblem({90, 70, 1}, 4)}) {
+    const auto solved = solveEikonal(p.grid, p.known, p.speed, {.order = EikonalOrder::Second});
+    ASSERT_TRUE(solved) << solved.error().message;
+    EXPECT_LT(solved->sweeps, 200);
+  }
+}
+
 // A wall with a door: the way leads through the door, and behind it spreads from there.
 TEST(Eikonal, FrontsGoAroundWalls) {
   const std::int32_t n = 101;

@@ -100,11 +100,6 @@ Result<GridField> solve(const NodeGrid& grid, const FootOf& footOf, bool closed,
     field.phi = std::move(*phi);
     return field;
   }
-  if (!closed) {
-    return fail(ErrorCode::InvalidArgument,
-                "Fast sweeping needs closed geometry for its signs; use the exact solver.",
-                "solver");
-  }
   const double cell = std::sqrt(grid.planar() ? 2.0 : 3.0) * grid.spacing;
   const double reach = options.order == EikonalOrder::First ? cell : cell + grid.spacing;
   const auto exact =
@@ -125,7 +120,16 @@ Result<GridField> solve(const NodeGrid& grid, const FootOf& footOf, bool closed,
   for (std::size_t n = 0; n < exact->size(); ++n) {
     if (field.seed[n]) field.phi[n] = (*exact)[n];
   }
-  spreadSigns(grid, *exact, field.phi);
+  if (closed) {
+    spreadSigns(grid, *exact, field.phi);
+    return field;
+  }
+  // Beyond the border of open geometry the sign jumps between nodes: each is asked for.
+  const auto sided = exactValues(grid, footOf, kInfinity, options.threads, {});
+  if (!sided) return tl::unexpected(sided.error());
+  for (std::size_t n = 0; n < sided->size(); ++n) {
+    field.phi[n] = std::copysign(field.phi[n], (*sided)[n]);
+  }
   return field;
 }
 

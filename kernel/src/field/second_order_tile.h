@@ -6,12 +6,13 @@
 namespace phront {
 
 /// Replaces the values by the upwind scheme with one-sided differences of second order, nodes in
-/// the order `ordering` as in sweepTile(). Needs values that are right to first order. Returns
-/// whether a value changed by more than `tolerance`.
+/// the order `ordering` as in sweepTile(). `first` holds the solution of first order: it says which
+/// nodes lie upwind. Returns whether a value changed by more than `tolerance`.
 template <int Dim>
-bool refineTile(const TileView<Dim>& tile, unsigned ordering, double tolerance);
+bool refineTile(const TileView<Dim>& tile, const TileView<Dim>& first, unsigned ordering,
+                double tolerance);
 
-extern template bool refineTile<2>(const TileView<2>&, unsigned, double);
-extern template bool refineTile<3>(const TileView<3>&, unsigned, double);
+extern template bool refineTile<2>(const TileView<2>&, const TileView<2>&, unsigned, double);
+extern template bool refineTile<3>(const TileView<3>&, const TileView<3>&, unsigned, double);
 
 }  // namespace phront

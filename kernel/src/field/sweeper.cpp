@@ -50,16 +50,16 @@ void Sweeper<Dim>::forTiles(unsigned ordering, const TileBody& body) {
 }
 
 template <int Dim>
-TileView<Dim> Sweeper<Dim>::view(Index tile) const {
+TileView<Dim> Sweeper<Dim>::view(std::vector<double>& values, Index tile) const {
   constexpr std::size_t kNodes = TileLayout<Dim>::kNodes;
   TileView<Dim> result;
-  result.values = values_.data() + static_cast<std::size_t>(tile) * kNodes;
+  result.values = values.data() + static_cast<std::size_t>(tile) * kNodes;
   result.steps = steps_.data() + static_cast<std::size_t>(tile) * kNodes;
   for (int axis = 0; axis < Dim; ++axis) {
     for (int side = 0; side < 2; ++side) {
       const Index other = layout_.neighbour(tile, axis, side);
       result.neighbours[static_cast<std::size_t>(2 * axis + side)] =
-          other == kNone ? nullptr : values_.data() + static_cast<std::size_t>(other) * kNodes;
+          other == kNone ? nullptr : values.data() + static_cast<std::size_t>(other) * kNodes;
     }
   }
   return result;
@@ -87,7 +87,10 @@ std::int64_t Sweeper<Dim>::sweep(unsigned ordering, double tolerance) {
   forTiles(ordering, [&](Index tile) {
     if (quiet(tile)) return;
     const auto t = static_cast<std::size_t>(tile);
-    if (sweepOne_(view(tile), ordering, tolerance)) {
+    const bool moved =
+        first_.empty() ? sweepTile(view(values_, tile), ordering, tolerance)
+                       : refineTile(view(values_, tile), view(first_, tile), ordering, tolerance);
+    if (moved) {
       changedAt_[t] = time_;
       changed.fetch_add(1, std::memory_order_relaxed);
     } else {
@@ -99,7 +102,7 @@ std::int64_t Sweeper<Dim>::sweep(unsigned ordering, double tolerance) {
 
 template <int Dim>
 void Sweeper<Dim>::useSecondOrder() {
-  sweepOne_ = &refineTile<Dim>;
+  first_ = values_;
   std::fill(settledAt_.begin(), settledAt_.end(), -1);
 }
 

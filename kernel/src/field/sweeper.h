@@ -36,14 +36,14 @@ class Sweeper {
  private:
   using TileBody = std::function<void(Index tile)>;
   void forTiles(unsigned ordering, const TileBody& body);
-  [[nodiscard]] TileView<Dim> view(Index tile) const;
+  [[nodiscard]] TileView<Dim> view(std::vector<double>& values, Index tile) const;
   [[nodiscard]] bool quiet(Index tile) const;
 
   const TileLayout<Dim>& layout_;
   std::vector<double>& values_;
   const std::vector<double>& steps_;
   int threads_;
-  bool (*sweepOne_)(const TileView<Dim>&, unsigned, double) = &sweepTile<Dim>;
+  std::vector<double> first_;  ///< second order: the first-order solution; else empty
   std::unique_ptr<std::atomic<std::uint8_t>[]>
       waitingFor_;                       ///< per tile, upwind neighbours to come
   std::int32_t time_ = 0;                ///< number of this sweep
