@@ -150,6 +150,10 @@ CurveFoot CurveDistance::foot(const Vec2& x, double reach) const {
   return best;
 }
 
+CurveFoot CurveDistance::footOnSegment(const Vec2& x, Index segment) const {
+  return impl_->footOn(segment, x);
+}
+
 Vec2 CurveDistance::gradient(const Vec2& x, const CurveFoot& foot) const {
   if (foot.segment == kNone) return Vec2::Zero();
   if (foot.distance > 0) return foot.sign * (x - foot.point) / foot.distance;

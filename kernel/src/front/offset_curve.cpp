@@ -1,0 +1,345 @@
+// The front is found on a grid and made exact afterwards: marching squares give its lines, each
+// point is moved along its grid edge to phi = d (the signs at the edge's ends bracket it), corners
+// are put where fronts of two segments meet (Newton on both distances), and points that the
+// tolerance does not need go (Douglas and Peucker 1973). Only blocks of nodes near the front are
+// asked: phi is 1-Lipschitz. Weak spot: two corners in one cell of the grid become one.
+#include "phront/offset_curve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "phront/iso_curve.h"
+
+namespace phront {
+namespace {
+
+constexpr double kToleranceOfDistance = 1e-3;
+constexpr double kFinestOfDistance = 1.0 / 64;  // h, whatever the tolerance
+constexpr double kCoarsestOfDistance = 0.25;    // h: roundings must be seen
+// Of the tolerance: chords along an axis of the grid (twice that on diagonals); thinning.
+constexpr double kChordShare = 0.2;
+constexpr double kThinShare = 0.5;
+constexpr double kCornerTurn = 0.2;  // rad between normals of neighbouring points: a corner
+constexpr double kRootOfSpacing = 1e-13;
+constexpr int kBisections = 60;
+constexpr int kNewtonSteps = 20;
+constexpr int kBlock = 16;          // nodes a side asked together
+constexpr std::int64_t kGrain = 1;  // rows of blocks per task
+
+std::size_t at(Index i) { return static_cast<std::size_t>(i); }
+
+class CurveOffsetter {
+ public:
+  CurveOffsetter(const CurveDistance& curves, const OffsetCurveOptions& options)
+      : curves_(curves),
+        options_(options),
+        distance_(options.distance),
+        tolerance_(options.tolerance.value_or(kToleranceOfDistance * std::abs(options.distance))) {
+    // A chord of length h on an arc of radius |d| is off by h^2 / 8|d|.
+    const double d = std::abs(distance_);
+    const double h = std::sqrt(8 * kChordShare * tolerance_ * d);
+    grid_.spacing = std::clamp(h, kFinestOfDistance * d, kCoarsestOfDistance * d);
+  }
+
+  Result<OffsetCurve> run(const Progress& progress) {
+    if (auto ok = layGrid(); !ok) return tl::unexpected(ok.error());
+    if (!progress.report(0)) return fail(ErrorCode::Cancelled, "Cancelled.");
+    fillValues();
+    if (!progress.report(0.6)) return fail(ErrorCode::Cancelled, "Cancelled.");
+    auto lines = isoCurve(grid_, values_, distance_);
+    if (!lines) return tl::unexpected(lines.error());
+    OffsetCurve result;
+    result.spacing = grid_.spacing;
+    result.curves = std::move(*lines);
+    moveToLevel(result.curves);
+    addCorners(result.curves);
+    result.curves = thinned(result.curves);
+    result.deviation = deviation(result.curves);
+    if (!progress.report(1)) return fail(ErrorCode::Cancelled, "Cancelled.");
+    return result;
+  }
+
+ private:
+  Result<void> layGrid() {
+    const Vec2 margin = Vec2::Constant(std::max(distance_, 0.0) + 2 * grid_.spacing);
+    const Vec2 low = curves_.box().min() - margin;
+    const Vec2 size = curves_.box().max() + margin - low;
+    double nodes = 1;
+    for (Eigen::Index axis = 0; axis < 2; ++axis) {
+      const double count = std::ceil(size[axis] / grid_.spacing) + 1;
+      nodes *= count;
+      if (nodes > static_cast<double>(options_.maxNodes)) {
+        return fail(ErrorCode::ResourceLimit,
+                    fmt::format("The grid would need more than {} nodes: the distance or the "
+                                "tolerance is too small for curves of this size.",
+                                options_.maxNodes),
+                    "distance");
+      }
+      grid_.nodes[static_cast<std::size_t>(axis)] = static_cast<std::int32_t>(count);
+    }
+    grid_.nodes[2] = 1;
+    grid_.origin = Vec3(low.x(), low.y(), 0);
+    return {};
+  }
+
+  [[nodiscard]] double phi(const Vec2& x) const { return curves_.signedDistance(x); }
+
+  /// phi at all nodes of blocks that the front may touch; elsewhere a value on the right side of d.
+  void fillValues() {
+    values_.resize(static_cast<std::size_t>(grid_.nodeCount()));
+    const auto blocks = [](std::int32_t n) { return (n + kBlock - 1) / kBlock; };
+    // Half the diagonal of a block of nodes, and a cell, across which lines may run on.
+    const double radius = (std::sqrt(0.5) * (kBlock - 1) + std::sqrt(2.0)) * grid_.spacing;
+    parallelFor(blocks(grid_.nodes[1]), options_.threads, kGrain,
+                [&](std::int64_t begin, std::int64_t end) {
+                  for (auto b = static_cast<std::int32_t>(begin); b < end; ++b) {
+                    for (std::int32_t a = 0; a < blocks(grid_.nodes[0]); ++a) {
+                      fillBlock(kBlock * a, kBlock * b, radius);
+                    }
+                  }
+                });
+  }
+
+  void fillBlock(std::int32_t i0, std::int32_t j0, double radius) {
+    const double half = 0.5 * (kBlock - 1) * grid_.spacing;
+    const double middle = phi(grid_.position(i0, j0).head<2>() + Vec2(half, half));
+    // Open curves: phi jumps behind their ends, its magnitude does not.
+    const bool far = curves_.closed() ? std::abs(middle - distance_) > radius
+                                      : std::abs(std::abs(middle) - std::abs(distance_)) > radius;
+    for (std::int32_t j = j0; j < std::min(j0 + kBlock, grid_.nodes[1]); ++j) {
+      for (std::int32_t i = i0; i < std::min(i0 + kBlock, grid_.nodes[0]); ++i) {
+        values_[static_cast<std::size_t>(grid_.number(i, j))] =
+            far ? middle : valueAt(grid_.position(i, j).head<2>());
+      }
+    }
+  }
+
+  /// Infinity beyond the ends of open curves: fronts stop there.
+  [[nodiscard]] double valueAt(const Vec2& x) const {
+    const CurveFoot foot = curves_.foot(x);
+    return foot.beyondBorder ? std::numeric_limits<double>::infinity() : foot.phi();
+  }
+
+  /// Each point lies on an edge of the grid whose ends have phi on both sides of d.
+  void moveToLevel(CurveMesh& lines) const {
+    parallelFor(static_cast<std::int64_t>(lines.points.size()), options_.threads, 64,
+                [&](std::int64_t begin, std::int64_t end) {
+                  for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end);
+                       ++i) {
+                    lines.points[i] = onLevel(lines.points[i]);
+                  }
+                });
+  }
+
+  [[nodiscard]] Vec2 onLevel(const Vec2& p) const {
+    // The axis along which p is off the nodes.
+    const Vec2 u = (p - grid_.origin.head<2>()) / grid_.spacing;
+    const Vec2 off = (u - u.array().round().matrix()).cwiseAbs();
+    const Eigen::Index axis = off.x() > off.y() ? 0 : 1;
+    Vec2 low = p;
+    Vec2 high = p;
+    low[axis] = grid_.origin[axis] + grid_.spacing * std::floor(u[axis]);
+    high[axis] = low[axis] + grid_.spacing;
+    double atLow = phi(low) - distance_;
+    double atHigh = phi(high) - distance_;
+    if ((atLow < 0) == (atHigh < 0)) return p;
+    for (int i = 0; i < kBisections && (high - low).norm() > kRootOfSpacing * grid_.spacing; ++i) {
+      // phi is linear along the edge but for curvature and corners: the secant, kept off the ends.
+      const double t = std::clamp(atLow / (atLow - atHigh), 0.02, 0.98);
+      const Vec2 x = low + (i % 3 == 2 ? 0.5 : t) * (high - low);
+      const double value = phi(x) - distance_;
+      if (value == 0) return x;
+      if ((value < 0) == (atLow < 0)) {
+        low = x;
+        atLow = value;
+      } else {
+        high = x;
+        atHigh = value;
+      }
+    }
+    return std::abs(atLow) < std::abs(atHigh) ? low : high;
+  }
+
+  /// A point more in each side over which the front bends sharply.
+  void addCorners(CurveMesh& lines) const {
+    std::vector<CurveFoot> feet;
+    for (const Vec2& p : lines.points) feet.push_back(curves_.foot(p));
+    const std::size_t count = lines.segments.size();
+    std::vector<std::array<Index, 2>> segments;
+    std::vector<Index> curveOf;
+    for (std::size_t s = 0; s < count; ++s) {
+      const auto [a, b] = lines.segments[s];
+      const std::optional<Vec2> corner =
+          cornerBetween(lines.points[at(a)], feet[at(a)], lines.points[at(b)], feet[at(b)]);
+      if (corner) {
+        const auto c = static_cast<Index>(lines.points.size());
+        lines.points.push_back(*corner);
+        segments.push_back({a, c});
+        segments.push_back({c, b});
+        curveOf.insert(curveOf.end(), 2, lines.curveOf[s]);
+      } else {
+        segments.push_back(lines.segments[s]);
+        curveOf.push_back(lines.curveOf[s]);
+      }
+    }
+    lines.segments = std::move(segments);
+    lines.curveOf = std::move(curveOf);
+  }
+
+  /// Where the fronts of the two points' own segments cross.
+  [[nodiscard]] std::optional<Vec2> cornerBetween(const Vec2& p, const CurveFoot& footP,
+                                                  const Vec2& q, const CurveFoot& footQ) const {
+    if (footP.segment == footQ.segment) return std::nullopt;
+    const Vec2 gp = curves_.gradient(p, footP);
+    const Vec2 gq = curves_.gradient(q, footQ);
+    if (std::acos(std::clamp(gp.dot(gq), -1.0, 1.0)) < kCornerTurn) return std::nullopt;
+    const double wanted = std::abs(distance_);
+    Vec2 x = 0.5 * (p + q);
+    for (int i = 0; i < kNewtonSteps; ++i) {
+      const CurveFoot a = curves_.footOnSegment(x, footP.segment);
+      const CurveFoot b = curves_.footOnSegment(x, footQ.segment);
+      if (!(a.distance > 0) || !(b.distance > 0)) return std::nullopt;
+      Eigen::Matrix2d slope;
+      slope.row(0) = (x - a.point) / a.distance;
+      slope.row(1) = (x - b.point) / b.distance;
+      const Vec2 error(a.distance - wanted, b.distance - wanted);
+      if (std::abs(slope.determinant()) < 1e-6) return std::nullopt;
+      const Vec2 step = slope.inverse() * error;
+      x -= step;
+      if ((x - 0.5 * (p + q)).norm() > 2 * grid_.spacing) return std::nullopt;
+      if (step.norm() <= kRootOfSpacing * grid_.spacing) break;
+    }
+    // It counts if no third segment is nearer.
+    if (std::abs(phi(x) - distance_) > 1e-9 * wanted) return std::nullopt;
+    return x;
+  }
+
+  /// Lines without the points that the tolerance does not need.
+  [[nodiscard]] CurveMesh thinned(const CurveMesh& lines) const {
+    std::vector<Index> leaving(lines.points.size(), kNone);
+    std::vector<Index> arriving(lines.points.size(), kNone);
+    for (std::size_t s = 0; s < lines.segments.size(); ++s) {
+      leaving[at(lines.segments[s][0])] = static_cast<Index>(s);
+      arriving[at(lines.segments[s][1])] = static_cast<Index>(s);
+    }
+    std::vector<bool> done(lines.segments.size(), false);
+    CurveMesh result;
+    Index curves = 0;
+    for (std::size_t s = 0; s < lines.segments.size(); ++s) {
+      if (done[s]) continue;
+      Index first = static_cast<Index>(s);
+      for (Index n = arriving[at(lines.segments[s][0])]; n != kNone && n != static_cast<Index>(s);
+           n = arriving[at(lines.segments[at(n)][0])]) {
+        first = n;
+      }
+      // A loop comes back to s: it starts there.
+      if (arriving[at(lines.segments[at(first)][0])] != kNone) first = static_cast<Index>(s);
+      std::vector<Vec2> points{lines.points[at(lines.segments[at(first)][0])]};
+      for (Index n = first; n != kNone && !done[at(n)]; n = leaving[at(lines.segments[at(n)][1])]) {
+        done[at(n)] = true;
+        points.push_back(lines.points[at(lines.segments[at(n)][1])]);
+      }
+      addLine(points, curves++, result);
+    }
+    return result;
+  }
+
+  void addLine(const std::vector<Vec2>& points, Index curve, CurveMesh& mesh) const {
+    const bool loop = points.size() > 3 && points.front() == points.back();
+    std::vector<bool> keep(points.size(), false);
+    keep.front() = keep.back() = true;
+    if (loop) {
+      // Two anchors far apart: the first point and the one farthest from it.
+      std::size_t far = 0;
+      for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+        if ((points[i] - points[0]).norm() > (points[far] - points[0]).norm()) far = i;
+      }
+      keep[far] = true;
+      thin(points, 0, far, keep);
+      thin(points, far, points.size() - 1, keep);
+    } else {
+      thin(points, 0, points.size() - 1, keep);
+    }
+    const auto start = static_cast<Index>(mesh.points.size());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (!keep[i] || (loop && i + 1 == points.size())) continue;
+      mesh.points.push_back(points[i]);
+    }
+    const auto end = static_cast<Index>(mesh.points.size());
+    for (Index i = start; i + 1 < end; ++i) mesh.segments.push_back({i, i + 1});
+    if (loop && end - start > 1) mesh.segments.push_back({end - 1, start});
+    mesh.curveOf.resize(mesh.segments.size(), curve);
+  }
+
+  void thin(const std::vector<Vec2>& points, std::size_t from, std::size_t to,
+            std::vector<bool>& keep) const {
+    std::vector<std::pair<std::size_t, std::size_t>> ranges{{from, to}};
+    while (!ranges.empty()) {
+      const auto [a, b] = ranges.back();
+      ranges.pop_back();
+      const Vec2 along = points[b] - points[a];
+      const double squared = along.squaredNorm();
+      std::size_t worst = a;
+      double most = kThinShare * tolerance_;
+      for (std::size_t i = a + 1; i < b; ++i) {
+        const Vec2 to = points[i] - points[a];
+        const double t = squared > 0 ? std::clamp(to.dot(along) / squared, 0.0, 1.0) : 0;
+        const double off = (to - t * along).norm();
+        if (off <= most) continue;
+        most = off;
+        worst = i;
+      }
+      if (worst == a) continue;
+      keep[worst] = true;
+      ranges.push_back({a, worst});
+      ranges.push_back({worst, b});
+    }
+  }
+
+  [[nodiscard]] double deviation(const CurveMesh& lines) const {
+    double worst = 0;
+    for (const auto& [a, b] : lines.segments) {
+      for (const double t : {0.0, 1.0 / 3, 0.5, 2.0 / 3}) {
+        const Vec2 x = (1 - t) * lines.points[at(a)] + t * lines.points[at(b)];
+        worst = std::max(worst, std::abs(curves_.foot(x).distance - std::abs(distance_)));
+      }
+    }
+    return worst;
+  }
+
+  const CurveDistance& curves_;
+  const OffsetCurveOptions& options_;
+  double distance_;
+  double tolerance_;
+  NodeGrid grid_;
+  std::vector<double> values_;
+};
+
+}  // namespace
+
+Result<OffsetCurve> offsetCurve(const CurveDistance& curves, const OffsetCurveOptions& options,
+                                const Progress& progress) {
+  if (!std::isfinite(options.distance) || options.distance == 0) {
+    return fail(ErrorCode::InvalidArgument, "The distance must be finite and not zero.",
+                "distance");
+  }
+  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance))) {
+    return fail(ErrorCode::InvalidArgument, "The tolerance must be positive and finite.",
+                "tolerance");
+  }
+  if (options.threads < 0) {
+    return fail(ErrorCode::InvalidArgument, "The number of threads must not be negative.",
+                "threads");
+  }
+  return CurveOffsetter(curves, options).run(progress);
+}
+
+}  // namespace phront
