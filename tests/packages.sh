@@ -1,10 +1,11 @@
 # What a plain Debian 12 needs to build phront and run its tests. Sourced by the scripts that build.
 
-# compilers and tools | CAD | numerics and small libraries | pictures
+# compilers and tools | CAD | drawings | numerics and small libraries | pictures
 packages=(
   g++ cmake ninja-build ccache pkg-config python3
   libocct-foundation-dev libocct-modeling-data-dev libocct-modeling-algorithms-dev
   libocct-ocaf-dev libocct-visualization-dev libocct-data-exchange-dev
+  libdxflib-dev libpugixml-dev
   libeigen3-dev libtbb-dev libexpected-dev libfmt-dev libcli11-dev nlohmann-json3-dev libgtest-dev
   libvtk9-dev libegl1-mesa-dev libgl1-mesa-dri
 )

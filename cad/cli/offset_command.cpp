@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "cli.h"
+#include "offset_drawing.h"
 #include "offset_mesh.h"
 #include "phront/cad/exchange.h"
 #include "phront/cad/offset_shape.h"
@@ -144,6 +145,12 @@ int runOffset(const OffsetArguments& arguments) {
   }
   if (const Result<void> ok = checkOutputPath(arguments.out, arguments.in); !ok)
     return reportError(ok.error());
+  if (isDrawingPath(arguments.in) || isDrawingPath(arguments.out)) {
+    if (!isDrawingPath(arguments.in) || !isDrawingPath(arguments.out))
+      return reportUsage("a drawing gives a drawing: name both input and output .svg or .dxf");
+    return offsetDrawingFile(arguments.in, arguments.out, *distance, options.tolerance,
+                             arguments.common);
+  }
   const bool meshOut = isMeshPath(arguments.out);
   if (!meshOut) {
     const Result<cad::ShapeFormat> format = cad::shapeFormatOf(arguments.out);
@@ -175,7 +182,9 @@ int runOffset(const OffsetArguments& arguments) {
 
 void addOffsetCommand(CLI::App& app, int& exitCode) {
   CLI::App* command = app.add_subcommand(
-      "offset", "Offset a part (STEP IGES BREP) or a mesh (STL OBJ PLY) by a signed distance");
+      "offset",
+      "Offset a part (STEP IGES BREP), a mesh (STL OBJ PLY) or a drawing (SVG DXF) by a signed "
+      "distance");
   auto arguments = std::make_shared<OffsetArguments>();
   command->add_option("IN", arguments->in, "Input file")->required();
   command->add_option("-o,--output", arguments->out, "Output file; its extension names the format")

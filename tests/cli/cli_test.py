@@ -56,6 +56,29 @@ class CliTest(unittest.TestCase):
         path.unlink(missing_ok=True)
         return path
 
+    def test_drawing_in_drawing_out(self) -> None:
+        drawing = self.folder / "plate.svg"
+        drawing.write_text(
+            '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" '
+            'viewBox="0 0 40 30"><rect width="40" height="30"/><circle cx="20" cy="15" r="6"/></svg>'
+        )
+        report = self.out("plate.json")
+        out = self.out("plate_plus2.dxf")
+        run = phront("offset", drawing, "-o", out, "-d", 2, "--report", report)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        told = json.loads(report.read_text())
+        self.assertEqual((told["loops_in"], told["curves_out"]), (2, 2))
+        self.assertLessEqual(told["deviation_mm"], 0.002)
+        self.assertIn("POLYLINE", out.read_text())
+        gone = self.out("plate_minus12.svg")
+        run = phront("offset", drawing, "-o", gone, "-d", -12)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("empty", run.stderr)
+        self.assertFalse(gone.exists())
+        run = phront("offset", drawing, "-o", self.out("plate.step"), "-d", 2)
+        self.assertEqual(run.returncode, 2)
+        self.assert_one_sentence(run)
+
     def assert_one_sentence(self, run: subprocess.CompletedProcess) -> None:
         lines = [line for line in run.stderr.splitlines() if line.startswith("phront: ")]
         self.assertEqual(len(lines), 1, run.stderr)

@@ -75,6 +75,19 @@ TEST(OffsetCurve, KeepsItsTolerance) {
   }
 }
 
+// Where fronts of two finely divided curves meet: a wavy line, on both sides.
+TEST(OffsetCurve, KeepsItsToleranceWhereCurvesMeet) {
+  std::vector<Vec2> points;
+  for (int i = 0; i <= 2000; ++i) points.emplace_back(0.005 * i, 0.6 * std::sin(0.01 * i));
+  points.emplace_back(10, 4);
+  points.emplace_back(0, 4);
+  for (const double distance : {0.9, -0.9}) {
+    const OffsetCurve result = offsetOf(curveThrough(points, true), {.distance = distance});
+    EXPECT_FALSE(result.curves.segments.empty());
+    EXPECT_LE(result.deviation, 0.9e-3);
+  }
+}
+
 // A dumbbell inwards: the bar goes, two pieces stay; outwards the gap of a C closes to a hole.
 TEST(OffsetCurve, FrontsSplitAndMerge) {
   const CurveMesh dumbbell = curveThrough({{0, 0},

@@ -39,8 +39,9 @@ class CurveDistance {
   /// `reach` bounds the search: beyond it segment == kNone.
   [[nodiscard]] CurveFoot foot(const Vec2& x,
                                double reach = std::numeric_limits<double>::infinity()) const;
-  /// Closest point of one segment (no sign: always +1).
-  [[nodiscard]] CurveFoot footOnSegment(const Vec2& x, Index segment) const;
+  /// Walks along the curve from a segment as long as the distance falls: the local foot of that
+  /// branch (no sign: always +1).
+  [[nodiscard]] CurveFoot footAlong(const Vec2& x, Index segment) const;
 
   [[nodiscard]] double signedDistance(const Vec2& x) const { return foot(x).phi(); }
   /// Unit gradient of phi at x from its foot; the normal of the segment when x lies on it.

@@ -27,7 +27,8 @@ constexpr double kCoarsestOfDistance = 0.25;    // h: roundings must be seen
 // Of the tolerance: chords along an axis of the grid (twice that on diagonals); thinning.
 constexpr double kChordShare = 0.2;
 constexpr double kThinShare = 0.5;
-constexpr double kCornerTurn = 0.2;  // rad between normals of neighbouring points: a corner
+constexpr double kLeastTurn = 1e-3;          // rad between the fronts at a corner
+constexpr double kCornerOfTolerance = 0.05;  // corners less high are none
 constexpr double kRootOfSpacing = 1e-13;
 constexpr int kBisections = 60;
 constexpr int kNewtonSteps = 20;
@@ -168,7 +169,7 @@ class CurveOffsetter {
     return std::abs(atLow) < std::abs(atHigh) ? low : high;
   }
 
-  /// A point more in each side over which the front bends sharply.
+  /// A point more in each side over which fronts of two branches of the curves meet.
   void addCorners(CurveMesh& lines) const {
     std::vector<CurveFoot> feet;
     for (const Vec2& p : lines.points) feet.push_back(curves_.foot(p));
@@ -198,26 +199,29 @@ class CurveOffsetter {
   [[nodiscard]] std::optional<Vec2> cornerBetween(const Vec2& p, const CurveFoot& footP,
                                                   const Vec2& q, const CurveFoot& footQ) const {
     if (footP.segment == footQ.segment) return std::nullopt;
-    const Vec2 gp = curves_.gradient(p, footP);
-    const Vec2 gq = curves_.gradient(q, footQ);
-    if (std::acos(std::clamp(gp.dot(gq), -1.0, 1.0)) < kCornerTurn) return std::nullopt;
     const double wanted = std::abs(distance_);
-    Vec2 x = 0.5 * (p + q);
+    const Vec2 middle = 0.5 * (p + q);
+    Vec2 x = middle;
+    CurveFoot a = footP;
+    CurveFoot b = footQ;
     for (int i = 0; i < kNewtonSteps; ++i) {
-      const CurveFoot a = curves_.footOnSegment(x, footP.segment);
-      const CurveFoot b = curves_.footOnSegment(x, footQ.segment);
+      a = curves_.footAlong(x, a.segment);
+      b = curves_.footAlong(x, b.segment);
       if (!(a.distance > 0) || !(b.distance > 0)) return std::nullopt;
       Eigen::Matrix2d slope;
       slope.row(0) = (x - a.point) / a.distance;
       slope.row(1) = (x - b.point) / b.distance;
       const Vec2 error(a.distance - wanted, b.distance - wanted);
-      if (std::abs(slope.determinant()) < 1e-6) return std::nullopt;
+      if (std::abs(slope.determinant()) < kLeastTurn) return std::nullopt;  // one branch
       const Vec2 step = slope.inverse() * error;
       x -= step;
-      if ((x - 0.5 * (p + q)).norm() > 2 * grid_.spacing) return std::nullopt;
+      if ((x - middle).norm() > 2 * grid_.spacing) return std::nullopt;
       if (step.norm() <= kRootOfSpacing * grid_.spacing) break;
     }
-    // It counts if no third segment is nearer.
+    const Vec2 along = (q - p).normalized();
+    const Vec2 off = x - p - (x - p).dot(along) * along;
+    if (off.norm() < kCornerOfTolerance * tolerance_) return std::nullopt;
+    // It counts if no third branch is nearer.
     if (std::abs(phi(x) - distance_) > 1e-9 * wanted) return std::nullopt;
     return x;
   }

@@ -150,8 +150,20 @@ CurveFoot CurveDistance::foot(const Vec2& x, double reach) const {
   return best;
 }
 
-CurveFoot CurveDistance::footOnSegment(const Vec2& x, Index segment) const {
-  return impl_->footOn(segment, x);
+CurveFoot CurveDistance::footAlong(const Vec2& x, Index segment) const {
+  const Impl& s = *impl_;
+  CurveFoot foot = s.footOn(segment, x);
+  for (std::size_t step = 0; step < s.mesh.segments.size(); ++step) {
+    if (foot.parameter > 0 && foot.parameter < 1) break;
+    const bool atStart = foot.parameter <= 0;
+    const Index point = s.mesh.segments[at(foot.segment)][atStart ? 0 : 1];
+    const Index next = s.segmentsAt[at(point)][atStart ? 0 : 1];
+    if (next == kNone) break;
+    const CurveFoot there = s.footOn(next, x);
+    if (!(there.distance < foot.distance)) break;
+    foot = there;
+  }
+  return foot;
 }
 
 Vec2 CurveDistance::gradient(const Vec2& x, const CurveFoot& foot) const {
