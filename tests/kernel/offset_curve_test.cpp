@@ -88,6 +88,34 @@ TEST(OffsetCurve, KeepsItsToleranceWhereCurvesMeet) {
   }
 }
 
+// Fronts that just touch, and an arc that shrinks to its centre: thinner than any grid.
+TEST(OffsetCurve, KeepsItsToleranceWhereFrontsTouch) {
+  std::vector<Vec2> slot;  // a stadium with a disc in it, so that fronts of both touch at -1
+  std::vector<Vec2> disc;
+  for (int i = 0; i <= 200; ++i) {
+    const double angle = kPi * (i / 200.0 - 0.5);
+    slot.emplace_back(6 + 3 * std::cos(angle), 3 * std::sin(angle));
+  }
+  for (int i = 0; i <= 200; ++i) {
+    const double angle = kPi * (i / 200.0 + 0.5);
+    slot.emplace_back(-6 + 3 * std::cos(angle), 3 * std::sin(angle));
+  }
+  for (int i = 0; i < 400; ++i) {
+    const double angle = -2 * kPi * i / 400;
+    disc.emplace_back(std::cos(angle), std::sin(angle));
+  }
+  const CurveMesh part = joined(curveThrough(slot, true), curveThrough(disc, true));
+  for (const double distance : {-1.0, -1.001}) {
+    const OffsetCurve result = offsetOf(part, {.distance = distance});
+    EXPECT_FALSE(result.curves.segments.empty());
+    EXPECT_LE(result.deviation, 1.01e-3) << distance;
+  }
+  const CurveMesh grown = offsetOf(rectangle(6, 4), {.distance = 1, .tolerance = 1e-4}).curves;
+  const OffsetCurve back = offsetOf(grown, {.distance = -1});
+  EXPECT_LE(back.deviation, 1e-3);
+  EXPECT_NEAR(signedArea(back.curves), 24, 0.02);
+}
+
 // A dumbbell inwards: the bar goes, two pieces stay; outwards the gap of a C closes to a hole.
 TEST(OffsetCurve, FrontsSplitAndMerge) {
   const CurveMesh dumbbell = curveThrough({{0, 0},

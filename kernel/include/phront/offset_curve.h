@@ -29,7 +29,7 @@ struct OffsetCurve {
 /// All points with phi = d: closed polygons for closed curves (arc joins: true distance), lines
 /// that end beyond the ends of open ones. Corners lie on phi = d to round-off, also where fronts of
 /// different segments meet; sides are as long as the tolerance allows. Parts of the front that fit
-/// between neighbouring nodes of the grid are missed: narrower than `spacing`.
+/// between neighbouring nodes of the grid are missed: narrower than `spacing`; `deviation` tells.
 /// Fails with InvalidArgument, ResourceLimit, Cancelled.
 [[nodiscard]] Result<OffsetCurve> offsetCurve(const CurveDistance& curves,
                                               const OffsetCurveOptions& options,

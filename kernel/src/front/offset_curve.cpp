@@ -1,8 +1,10 @@
 // The front is found on a grid and made exact afterwards: marching squares give its lines, each
 // point is moved along its grid edge to phi = d (the signs at the edge's ends bracket it), corners
-// are put where fronts of two segments meet (Newton on both distances), and points that the
-// tolerance does not need go (Douglas and Peucker 1973). Only blocks of nodes near the front are
-// asked: phi is 1-Lipschitz. Weak spot: two corners in one cell of the grid become one.
+// are put where fronts of two branches meet (Newton on both distances), slits thinner than a cell
+// are followed to their end, and points that the tolerance does not need go (Douglas and Peucker
+// 1973). Only blocks of nodes near the front are asked: phi is 1-Lipschitz. Weak spots: two corners
+// in one cell of the grid become one; a channel thinner than a cell that leads from one wide part
+// to another is closed.
 #include "phront/offset_curve.h"
 
 #include <fmt/format.h>
@@ -27,7 +29,10 @@ constexpr double kCoarsestOfDistance = 0.25;    // h: roundings must be seen
 // Of the tolerance: chords along an axis of the grid (twice that on diagonals); thinning.
 constexpr double kChordShare = 0.2;
 constexpr double kThinShare = 0.5;
-constexpr double kLeastTurn = 1e-3;          // rad between the fronts at a corner
+constexpr double kLeastTurn = 1e-3;        // rad between the fronts at a corner
+constexpr double kTouchOfTolerance = 0.1;  // fronts this near to one another touch
+constexpr double kSlitStep = 0.25;         // of h, along fronts in slits
+constexpr int kMostSlitSteps = 400;
 constexpr double kCornerOfTolerance = 0.05;  // corners less high are none
 constexpr double kRootOfSpacing = 1e-13;
 constexpr int kBisections = 60;
@@ -178,21 +183,94 @@ class CurveOffsetter {
     std::vector<Index> curveOf;
     for (std::size_t s = 0; s < count; ++s) {
       const auto [a, b] = lines.segments[s];
-      const std::optional<Vec2> corner =
-          cornerBetween(lines.points[at(a)], feet[at(a)], lines.points[at(b)], feet[at(b)]);
-      if (corner) {
-        const auto c = static_cast<Index>(lines.points.size());
-        lines.points.push_back(*corner);
-        segments.push_back({a, c});
-        segments.push_back({c, b});
-        curveOf.insert(curveOf.end(), 2, lines.curveOf[s]);
-      } else {
-        segments.push_back(lines.segments[s]);
-        curveOf.push_back(lines.curveOf[s]);
+      Index from = a;
+      for (const Vec2& x :
+           between(lines.points[at(a)], feet[at(a)], lines.points[at(b)], feet[at(b)])) {
+        const auto to = static_cast<Index>(lines.points.size());
+        lines.points.push_back(x);
+        segments.push_back({from, to});
+        from = to;
       }
+      segments.push_back({from, b});
+      curveOf.resize(segments.size(), lines.curveOf[s]);
     }
     lines.segments = std::move(segments);
     lines.curveOf = std::move(curveOf);
+  }
+
+  /// The points of the front that a side from p to q lacks.
+  [[nodiscard]] std::vector<Vec2> between(const Vec2& p, const CurveFoot& footP, const Vec2& q,
+                                          const CurveFoot& footQ) const {
+    if (footP.segment == footQ.segment) return {};
+    if (const auto corner = cornerBetween(p, footP, q, footQ)) return {*corner};
+    const auto off = [&](const Vec2& x) {
+      return std::abs(curves_.foot(x).distance - std::abs(distance_));
+    };
+    if (off(0.5 * (p + q)) <= kThinShare * tolerance_) return {};
+    const Vec2 tangentP = tangent(p, footP);
+    const Vec2 tangentQ = tangent(q, footQ);
+    // Fronts of a whole arc that meet in its centre: the ends of the side know where it lies.
+    const double turn = tangentP.x() * tangentQ.y() - tangentP.y() * tangentQ.x();
+    if (std::abs(turn) > kLeastTurn) {
+      const Vec2 gap = q - p;
+      const Vec2 x = p + (gap.x() * tangentQ.y() - gap.y() * tangentQ.x()) / turn * tangentP;
+      if ((x - p).norm() < 2 * grid_.spacing && off(x) <= kTouchOfTolerance * tolerance_) {
+        return {x};
+      }
+    }
+    return throughSlit(p, footP, q, footQ);
+  }
+
+  /// Along the front, material to the left.
+  [[nodiscard]] Vec2 tangent(const Vec2& x, const CurveFoot& foot) const {
+    const Vec2 g = curves_.gradient(x, foot);
+    return {-g.y(), g.x()};
+  }
+
+  /// On the front of the branch of `foot`, one step on (or back).
+  [[nodiscard]] Vec2 stepAlong(const Vec2& x, double step, CurveFoot& foot) const {
+    const double side = distance_ > 0 ? 1 : -1;  // of the gradient from the foot
+    const Vec2 out = side * (x - foot.point).normalized();
+    const Vec2 next = x + step * Vec2(-out.y(), out.x());
+    foot = curves_.footAlong(next, foot.segment);
+    if (!(foot.distance > 0)) return next;
+    return foot.point + std::abs(distance_) / foot.distance * (next - foot.point);
+  }
+
+  /// Fronts nearer to one another than the grid can see: follows that of p to where that of q meets
+  /// it, and comes back along that.
+  [[nodiscard]] std::vector<Vec2> throughSlit(const Vec2& p, const CurveFoot& footP, const Vec2& q,
+                                              const CurveFoot& footQ) const {
+    const double step = kSlitStep * grid_.spacing;
+    const double wanted = std::abs(distance_);
+    const double touch = wanted + kTouchOfTolerance * tolerance_;
+    std::vector<Vec2> points;
+    Vec2 x = p;
+    CurveFoot own = footP;
+    CurveFoot other = footQ;
+    bool met = false;
+    for (int i = 0; i < kMostSlitSteps && !met; ++i) {
+      x = stepAlong(x, step, own);
+      other = curves_.footAlong(x, other.segment);
+      met = other.distance <= touch;
+      if (curves_.foot(x).distance < wanted - tolerance_) {
+        if (!met) return {};  // a third branch is in the way
+        break;                // between this step and the one before
+      }
+      points.push_back(x);
+    }
+    if (!met || points.empty()) return {};
+    std::vector<Vec2> back;
+    x = q;
+    own = footQ;
+    for (int i = 0; i < kMostSlitSteps; ++i) {
+      x = stepAlong(x, -step, own);
+      if ((x - points.back()).norm() <= step) break;
+      if (curves_.foot(x).distance < wanted - tolerance_) break;
+      back.push_back(x);
+    }
+    points.insert(points.end(), back.rbegin(), back.rend());
+    return points;
   }
 
   /// Where the fronts of the two points' own segments cross.
