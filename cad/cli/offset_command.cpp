@@ -148,6 +148,7 @@ int runOffset(const OffsetArguments& arguments) {
   if (isDrawingPath(arguments.in) || isDrawingPath(arguments.out)) {
     if (!isDrawingPath(arguments.in) || !isDrawingPath(arguments.out))
       return reportUsage("a drawing gives a drawing: name both input and output .svg or .dxf");
+    if (arguments.parametric) return reportUsage("--parametric moves mesh nodes, not drawings");
     return offsetDrawingFile(arguments.in, arguments.out, *distance, options.tolerance,
                              arguments.common);
   }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "phront/cad/drawing.h"
@@ -17,11 +16,6 @@ constexpr double kToleranceOfDistance = 1e-3;
 // Of the tolerance: for chords of the drawing's curves; for the front.
 constexpr double kReadShare = 0.2;
 constexpr double kFrontShare = 0.8;
-
-std::size_t curveCount(const CurveMesh& mesh) {
-  if (mesh.curveOf.empty()) return 0;
-  return static_cast<std::size_t>(*std::max_element(mesh.curveOf.begin(), mesh.curveOf.end())) + 1;
-}
 
 void say(const CommonOptions& options, const std::string& sentence) {
   if (!options.quiet) fmt::print(stderr, "{}\n", sentence);

@@ -111,6 +111,17 @@ TEST_F(DrawingTest, HoleOfSvgAndWhatIsNotDrawn) {
   EXPECT_NE(ring->warnings[0].find("text"), std::string::npos);
 }
 
+// The same corners in another order are another curve.
+TEST_F(DrawingTest, OnlyTheSameCurveCountsOnce) {
+  const auto two =
+      svg("<polyline points='0,0 4,0 4,3 0,3'/><polyline points='0,0 4,3 4,0 0,3'/>"
+          "<polyline points='0,3 4,3 4,0 0,0'/>",
+          kMillimetres);
+  ASSERT_TRUE(two);
+  EXPECT_EQ(two->warnings.size(), 1U);
+  EXPECT_NEAR(length(two->curves), 11 + 5 + 3 + 5, 1e-9);
+}
+
 const char* const kLine = "0\nLINE\n8\n0\n";
 
 std::string line(double x1, double y1, double x2, double y2) {

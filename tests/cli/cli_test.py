@@ -75,6 +75,8 @@ class CliTest(unittest.TestCase):
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assertIn("empty", run.stderr)
         self.assertFalse(gone.exists())
+        run = phront("offset", drawing, "-o", out, "-d", 2, "--parametric")
+        self.assertEqual(run.returncode, 2)
         run = phront("offset", drawing, "-o", self.out("plate.step"), "-d", 2)
         self.assertEqual(run.returncode, 2)
         self.assert_one_sentence(run)

@@ -5,21 +5,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "grids.h"
+
 namespace phront {
 namespace {
 
-template <class Function>
-std::vector<double> valuesOf(const NodeGrid& grid, const Function& function) {
-  std::vector<double> values;
-  for (std::int32_t k = 0; k < grid.nodes[2]; ++k) {
-    for (std::int32_t j = 0; j < grid.nodes[1]; ++j) {
-      for (std::int32_t i = 0; i < grid.nodes[0]; ++i) {
-        values.push_back(function(grid.position(i, j, k)));
-      }
-    }
-  }
-  return values;
-}
+using test::valuesOf;
 
 std::vector<Vec3> onCircle(double radius, int count) {
   std::vector<Vec3> points;

@@ -8,22 +8,12 @@
 #include <numbers>
 #include <random>
 
+#include "grids.h"
+
 namespace phront {
 namespace {
 
-template <class Function>
-std::vector<double> valuesOf(const NodeGrid& grid, const Function& function) {
-  std::vector<double> values;
-  for (std::int32_t j = 0; j < grid.nodes[1]; ++j) {
-    for (std::int32_t i = 0; i < grid.nodes[0]; ++i)
-      values.push_back(function(grid.position(i, j)));
-  }
-  return values;
-}
-
-Index curveCount(const CurveMesh& mesh) {
-  return mesh.curveOf.empty() ? 0 : *std::max_element(mesh.curveOf.begin(), mesh.curveOf.end()) + 1;
-}
+using test::valuesOf;
 
 TEST(IsoCurve, CircleConvergesQuadratically) {
   const auto error = [](std::int32_t cells) {

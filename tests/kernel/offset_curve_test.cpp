@@ -25,10 +25,6 @@ CurveMesh star(int points, double outer, double inner) {
   return curveThrough(corners, true);
 }
 
-Index curveCount(const CurveMesh& mesh) {
-  return mesh.curveOf.empty() ? 0 : *std::max_element(mesh.curveOf.begin(), mesh.curveOf.end()) + 1;
-}
-
 OffsetCurve offsetOf(const CurveMesh& mesh, const OffsetCurveOptions& options) {
   const auto distance = CurveDistance::build(mesh);
   EXPECT_TRUE(distance);

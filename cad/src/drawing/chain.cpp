@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
-#include <numbers>
+#include <set>
 #include <utility>
 
 namespace phront::cad {
@@ -113,14 +113,22 @@ std::vector<Chain> joinEnds(std::vector<Chain> chains, double tolerance) {
   return result;
 }
 
-/// The same points in the same place, whichever way round: by its smallest point, then neighbours.
-std::vector<std::pair<double, double>> fingerprint(const Chain& chain, double tolerance) {
-  std::vector<std::pair<double, double>> points;
+/// Equal for curves through the same points in the same order, whichever way round and (loops)
+/// wherever they start.
+using Fingerprint = std::pair<bool, std::vector<std::pair<double, double>>>;
+
+Fingerprint fingerprint(const Chain& chain, double tolerance) {
+  std::vector<std::pair<double, double>> forward;
   for (const Vec2& p : chain.points) {
-    points.emplace_back(std::round(p.x() / tolerance), std::round(p.y() / tolerance));
+    forward.emplace_back(std::round(p.x() / tolerance), std::round(p.y() / tolerance));
   }
-  std::sort(points.begin(), points.end());
-  return points;
+  std::vector<std::pair<double, double>> backward(forward.rbegin(), forward.rend());
+  if (chain.closed) {
+    for (auto* points : {&forward, &backward}) {
+      std::rotate(points->begin(), std::min_element(points->begin(), points->end()), points->end());
+    }
+  }
+  return {chain.closed, std::min(forward, backward)};
 }
 
 double areaOf(const std::vector<Vec2>& loop) {
@@ -176,11 +184,11 @@ Drawing assemble(std::vector<Chain> chains, double tolerance) {
   for (Chain& c : chains) clean(c, tolerance);
   const auto drop = [&](const Chain& c) { return c.points.size() < (c.closed ? 3U : 2U); };
   chains.erase(std::remove_if(chains.begin(), chains.end(), drop), chains.end());
-  std::map<std::vector<std::pair<double, double>>, bool> seen;
+  std::set<Fingerprint> seen;
   Drawing drawing;
   std::vector<Chain> once;
   for (Chain& c : chains) {
-    if (seen.try_emplace(fingerprint(c, tolerance), true).second) once.push_back(std::move(c));
+    if (seen.insert(fingerprint(c, tolerance)).second) once.push_back(std::move(c));
   }
   if (once.size() < chains.size()) {
     drawing.warnings.push_back(std::to_string(chains.size() - once.size()) +

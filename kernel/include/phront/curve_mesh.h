@@ -20,6 +20,9 @@ struct CurveMesh {
   }
 };
 
+/// Curves that `curveOf` tells apart.
+[[nodiscard]] Index curveCount(const CurveMesh& mesh);
+
 /// One closed loop (or open line) over the points in their order.
 [[nodiscard]] CurveMesh curveThrough(std::vector<Vec2> points, bool closed);
 

@@ -11,13 +11,11 @@
 namespace phront {
 
 struct OffsetCurveOptions {
-  double distance =
-      0;  ///< d, signed, finite, not zero: to the right of the curves (out of material)
+  double distance = 0;  ///< d, signed, finite, not zero: to the right, out of material
   /// Largest distance of the polygons' sides from phi = d, model units; automatic: 1e-3 |d|.
   std::optional<double> tolerance = std::nullopt;
-  int threads = 0;  ///< 0: all cores
-  std::int64_t maxNodes =
-      50'000'000;  ///< of the grid near the front; refuse beyond (ResourceLimit)
+  int threads = 0;                     ///< 0: all cores
+  std::int64_t maxNodes = 50'000'000;  ///< of the grid; refuse beyond (ResourceLimit)
 };
 
 struct OffsetCurve {

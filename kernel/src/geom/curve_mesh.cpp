@@ -6,6 +6,11 @@
 
 namespace phront {
 
+Index curveCount(const CurveMesh& mesh) {
+  if (mesh.curveOf.empty()) return mesh.segments.empty() ? 0 : 1;
+  return *std::max_element(mesh.curveOf.begin(), mesh.curveOf.end()) + 1;
+}
+
 CurveMesh curveThrough(std::vector<Vec2> points, bool closed) {
   CurveMesh mesh;
   mesh.points = std::move(points);
@@ -20,8 +25,7 @@ CurveMesh joined(const CurveMesh& a, const CurveMesh& b) {
   const auto points = static_cast<Index>(a.points.size());
   mesh.points.insert(mesh.points.end(), b.points.begin(), b.points.end());
   if (mesh.curveOf.empty()) mesh.curveOf.assign(a.segments.size(), 0);
-  const Index curves =
-      mesh.curveOf.empty() ? 0 : *std::max_element(mesh.curveOf.begin(), mesh.curveOf.end()) + 1;
+  const Index curves = curveCount(a);
   for (std::size_t s = 0; s < b.segments.size(); ++s) {
     mesh.segments.push_back({b.segments[s][0] + points, b.segments[s][1] + points});
     mesh.curveOf.push_back(b.curve(static_cast<Index>(s)) + curves);

@@ -88,8 +88,7 @@ int main(int argc, char** argv) {
     for (const Vec2& p : line.points) {
       worst = std::max(worst, std::abs(distance.foot(p).distance - level));
     }
-    table.row({fmt::format("{:.2f}", level),
-               fmt::format("{}", *std::max_element(line.curveOf.begin(), line.curveOf.end()) + 1),
+    table.row({fmt::format("{:.2f}", level), fmt::format("{}", phront::curveCount(line)),
                fmt::format("{:.3f}", worst / grid.spacing)});
     lines.push_back({line, level});
   }

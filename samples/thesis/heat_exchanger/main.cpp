@@ -83,10 +83,8 @@ int main(int argc, char** argv) {
       for (const Vec2& p : line.points) {
         worst = std::max(worst, std::abs(pattern.sources.foot(p).distance - level));
       }
-      const int count = line.curveOf.empty()
-                            ? 0
-                            : *std::max_element(line.curveOf.begin(), line.curveOf.end()) + 1;
-      table.row({pattern.name, fmt::format("{:g}", level), fmt::format("{}", count),
+      table.row({pattern.name, fmt::format("{:g}", level),
+                 fmt::format("{}", phront::curveCount(line)),
                  fmt::format("{:.3f}", phront::length(line)),
                  fmt::format("{:.3f}", worst / grid.spacing)});
       lines.push_back({line, level});

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <set>
 
 #include "common/figure.h"
 #include "common/report.h"
@@ -47,8 +46,7 @@ void fronts(const std::string& name, const CurveMesh& curves, const std::filesys
     for (const Vec2& p : line.points) {
       worst = std::max(worst, std::abs(distance.foot(p).distance - std::abs(level)));
     }
-    const std::set<phront::Index> count(line.curveOf.begin(), line.curveOf.end());
-    table.row({fmt::format("{:g}", level), fmt::format("{}", count.size()),
+    table.row({fmt::format("{:g}", level), fmt::format("{}", phront::curveCount(line)),
                fmt::format("{:.4f}", phront::length(line)),
                fmt::format("{:.2g}", worst / grid.spacing)});
     lines.push_back({line, level});
