@@ -131,6 +131,23 @@ TEST(Eikonal, IsTheTextbookScheme) {
   }
 }
 
+TEST(Eikonal, SinglePrecisionIsTheSameScheme) {
+  for (const Problem& p : {ballProblem(50, 3, 1), ballProblem(200, 2, 1),
+                           randomProblem({37, 29, 1}, 5), randomProblem({19, 8, 22}, 6)}) {
+    const auto full = solveEikonal(p.grid, p.known, p.speed, {});
+    const auto single =
+        solveEikonal(p.grid, p.known, p.speed, {.precision = EikonalPrecision::Single});
+    ASSERT_TRUE(full && single);
+    for (std::size_t n = 0; n < full->times.size(); ++n) {
+      if (full->times[n] == kUnknown) {
+        EXPECT_EQ(single->times[n], kUnknown);
+      } else {
+        EXPECT_NEAR(single->times[n], full->times[n], 1e-6 * (full->times[n] + p.grid.spacing));
+      }
+    }
+  }
+}
+
 TEST(Eikonal, SameBitsAtAnyThreadCount) {
   for (const EikonalOrder order : {EikonalOrder::First, EikonalOrder::Second}) {
     const Problem p = ballProblem(50, 3, 2);
@@ -273,6 +290,9 @@ TEST(Eikonal, RefusesBadInput) {
   EXPECT_EQ(where(grid, known, {}, {.tolerance = -1}), "tolerance");
   EXPECT_EQ(where(grid, known, {}, {.maxSweeps = 0}), "maxSweeps");
   EXPECT_EQ(where(grid, known, {}, {.threads = -1}), "threads");
+  EXPECT_EQ(where(grid, known, {},
+                  {.order = EikonalOrder::Second, .precision = EikonalPrecision::Single}),
+            "precision");
   known[3] = std::nan("");
   EXPECT_EQ(where(grid, known, {}, {}), "known");
   known[3] = -1;

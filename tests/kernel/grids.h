@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "phront/eikonal.h"
+#include "phront/node_grid.h"
 
 namespace phront::test {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "phront/advect.h"
-#include "phront/eikonal.h"
+#include "phront/node_grid.h"
 #include "phront/status.h"
 
 namespace phront {

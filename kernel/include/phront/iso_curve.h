@@ -4,7 +4,7 @@
 #include <span>
 
 #include "phront/curve_mesh.h"
-#include "phront/eikonal.h"
+#include "phront/node_grid.h"
 #include "phront/status.h"
 
 namespace phront {

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <type_traits>
 
 #include "field/sweeper.h"
 
@@ -15,7 +16,7 @@ namespace phront {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLargest = 1e60;  // of times and steps: far below kFar
+constexpr double kLargest = 1e13;  // of times and steps, in spacings: far below kFar
 
 tl::unexpected<Error> wrong(std::string message, std::string where) {
   return fail(ErrorCode::InvalidArgument, std::move(message), std::move(where));
@@ -23,14 +24,7 @@ tl::unexpected<Error> wrong(std::string message, std::string where) {
 
 Result<void> checkInput(const NodeGrid& grid, std::span<const double> known,
                         std::span<const double> speed, const EikonalOptions& options) {
-  if (*std::min_element(grid.nodes.begin(), grid.nodes.end()) < 1) {
-    return wrong("The grid needs at least one node along each axis.", "nodes");
-  }
-  if (!(grid.spacing > 0) || !std::isfinite(grid.spacing)) {
-    return wrong(
-        fmt::format("The grid spacing must be positive and finite, not {:g}.", grid.spacing),
-        "spacing");
-  }
+  if (auto ok = checkGrid(grid); !ok) return ok;
   const auto count = static_cast<std::size_t>(grid.nodeCount());
   if (known.size() != count) {
     return wrong(fmt::format("{} known values were given for {} nodes.", known.size(), count),
@@ -52,33 +46,44 @@ Result<void> checkInput(const NodeGrid& grid, std::span<const double> known,
   }
   if (!(options.tolerance >= 0)) return wrong("The tolerance must not be negative.", "tolerance");
   if (options.maxSweeps < 1) return wrong("At least one sweep is needed.", "maxSweeps");
+  if (options.order == EikonalOrder::Second && options.precision == EikonalPrecision::Single) {
+    return wrong("The second order needs double precision.", "precision");
+  }
   if (options.threads < 0) return wrong("The number of threads must not be negative.", "threads");
   return {};
 }
 
-template <int Dim>
+template <class Real, int Dim>
 class DenseProblem {
  public:
   DenseProblem(const NodeGrid& grid, std::span<const double> known, std::span<const double> speed)
       : grid_(grid),
         layout_(TileLayout<Dim>::dense(nodesOf(grid))),
-        values_(static_cast<std::size_t>(layout_.nodeCount()), kFar),
-        steps_(static_cast<std::size_t>(layout_.nodeCount()), kBlocked) {
-    forNodes([&](std::size_t node, std::size_t value) {
-      if (known[node] < kLargest) {
-        values_[value] = known[node];
-        return;  // stays blocked
+        values_(static_cast<std::size_t>(layout_.nodeCount()), kFar<Real>),
+        steps_(layout_.tileCount()) {
+    forRows([&](Index tile, std::size_t place, std::int64_t number, std::int32_t count) {
+      Real* values = values_.data() + valueOf(tile, place);
+      for (std::int32_t i = 0; i < TileLayout<Dim>::kSize; ++i) {
+        Real step = kBlocked<Real>;  // beyond the walls
+        if (i < count) {
+          const auto node = static_cast<std::size_t>(number + i);
+          const double time = known[node] / grid.spacing;
+          if (time < kLargest) {
+            values[i] = static_cast<Real>(time);
+          } else {
+            step = stepOf(speed, node);
+          }
+        }
+        if (step != 1) steps_.set(tile, place + static_cast<std::size_t>(i), step);
       }
-      const double step = speed.empty() ? grid.spacing : grid.spacing / speed[node];
-      if (step < kLargest) steps_[value] = step;
     });
   }
 
   Result<EikonalSolution> solve(const EikonalOptions& options, const Progress& progress) {
-    Sweeper<Dim> sweeper(layout_, values_, steps_, options.threads);
-    const double tolerance = options.tolerance * grid_.spacing;
+    Sweeper<Real, Dim> sweeper(layout_, values_, steps_, options.threads);
+    const auto tolerance = static_cast<Real>(options.tolerance);
     EikonalSolution solution;
-    bool second = false;
+    bool last = options.order == EikonalOrder::First;
     for (;;) {
       if (solution.sweeps == options.maxSweeps) {
         return fail(
@@ -86,15 +91,20 @@ class DenseProblem {
             fmt::format("The arrival times still change after {} sweeps.", options.maxSweeps));
       }
       if (!progress.report(0.5)) return fail(ErrorCode::Cancelled, "Cancelled while sweeping.");
-      const auto ordering = static_cast<unsigned>(solution.sweeps++ % Sweeper<Dim>::kOrderings);
+      const auto ordering =
+          static_cast<unsigned>(solution.sweeps++ % Sweeper<Real, Dim>::kOrderings);
       if (sweeper.sweep(ordering, tolerance) > 0) continue;
-      if (second || options.order == EikonalOrder::First) break;
-      second = true;
-      sweeper.useSecondOrder();
+      if (last) break;
+      last = true;
+      if constexpr (std::is_same_v<Real, double>) sweeper.useSecondOrder();
     }
     solution.times.assign(static_cast<std::size_t>(grid_.nodeCount()), kInfinity);
-    forNodes([&](std::size_t node, std::size_t value) {
-      if (values_[value] < kFar) solution.times[node] = values_[value];
+    forRows([&](Index tile, std::size_t place, std::int64_t number, std::int32_t count) {
+      const Real* values = values_.data() + valueOf(tile, place);
+      double* times = solution.times.data() + number;
+      for (std::int32_t i = 0; i < count; ++i) {
+        if (values[i] < kFar<Real>) times[i] = grid_.spacing * values[i];
+      }
     });
     return solution;
   }
@@ -106,32 +116,47 @@ class DenseProblem {
     return nodes;
   }
 
-  /// visit(number in the grid, number of the value) for all nodes of the grid.
+  static std::size_t valueOf(Index tile, std::size_t place) {
+    return static_cast<std::size_t>(tile) * TileLayout<Dim>::kNodes + place;
+  }
+
+  static Real stepOf(std::span<const double> speed, std::size_t node) {
+    if (speed.empty()) return 1;
+    const double step = 1 / speed[node];
+    return step < kLargest ? static_cast<Real>(step) : kBlocked<Real>;
+  }
+
+  /// visit(tile, place of the first node in it, its number in the grid, nodes before the wall) for
+  /// each row of each tile; no node is before the wall: number 0.
   template <class Visit>
-  void forNodes(const Visit& visit) const {
-    constexpr int kSize = TileLayout<Dim>::kSize;
+  void forRows(const Visit& visit) const {
+    constexpr std::int32_t kSize = TileLayout<Dim>::kSize;
     for (Index t = 0; t < layout_.tileCount(); ++t) {
       const auto& tile = layout_.coordinates(t);
-      for (std::size_t n = 0; n < TileLayout<Dim>::kNodes; ++n) {
-        std::array<std::int32_t, 3> node{};
-        bool inside = true;
-        for (std::size_t axis = 0; axis < Dim; ++axis) {
-          const auto place = static_cast<std::int32_t>(n >> (TileLayout<Dim>::kBits * axis));
-          node[axis] = tile[axis] * kSize + (place & (kSize - 1));
-          inside = inside && node[axis] < grid_.nodes[axis];
-        }
-        if (!inside) continue;
-        visit(static_cast<std::size_t>(grid_.number(node[0], node[1], node[2])),
-              static_cast<std::size_t>(t) * TileLayout<Dim>::kNodes + n);
+      const std::int32_t i = tile[0] * kSize;
+      for (std::int32_t row = 0; row < TileLayout<Dim>::kNodes / kSize; ++row) {
+        const std::int32_t j = tile[1] * kSize + row % kSize;
+        const std::int32_t k = Dim == 2 ? 0 : tile[Dim - 1] * kSize + row / kSize;
+        const bool inside = j < grid_.nodes[1] && k < grid_.nodes[2];
+        visit(t, static_cast<std::size_t>(row * kSize), inside ? grid_.number(i, j, k) : 0,
+              inside ? std::min(kSize, grid_.nodes[0] - i) : 0);
       }
     }
   }
 
   const NodeGrid& grid_;
   TileLayout<Dim> layout_;
-  std::vector<double> values_;
-  std::vector<double> steps_;
+  std::vector<Real> values_;
+  TileSteps<Real, Dim> steps_;
 };
+
+template <class Real>
+Result<EikonalSolution> solveIn(const NodeGrid& grid, std::span<const double> known,
+                                std::span<const double> speed, const EikonalOptions& options,
+                                const Progress& progress) {
+  if (grid.planar()) return DenseProblem<Real, 2>(grid, known, speed).solve(options, progress);
+  return DenseProblem<Real, 3>(grid, known, speed).solve(options, progress);
+}
 
 }  // namespace
 
@@ -139,8 +164,9 @@ Result<EikonalSolution> solveEikonal(const NodeGrid& grid, std::span<const doubl
                                      std::span<const double> speed, const EikonalOptions& options,
                                      const Progress& progress) {
   if (auto ok = checkInput(grid, known, speed, options); !ok) return tl::unexpected(ok.error());
-  if (grid.planar()) return DenseProblem<2>(grid, known, speed).solve(options, progress);
-  return DenseProblem<3>(grid, known, speed).solve(options, progress);
+  return options.precision == EikonalPrecision::Single
+             ? solveIn<float>(grid, known, speed, options, progress)
+             : solveIn<double>(grid, known, speed, options, progress);
 }
 
 }  // namespace phront

@@ -1,189 +1,238 @@
-// Nodes on a diagonal plane p + q + r = L (p, q, r counted in sweeping direction) depend on the
-// planes L - 1 (already swept) and L + 1 (not yet) only, so a plane is one vector operation
-// (Detrixhe, Gibou, Min 2013, use it between threads). The tile is copied into scratch where planes
-// are rows: node (p,q,r) lies in row (L, r) at q, and all six neighbours of a row are rows of the
-// planes L - 1 and L + 1 at the same or the next place: contiguous loads, no gather. Lanes outside
-// the tile hold kFar and a blocked step and stay that way.
-//
-// The compiler vectorises the row of 8; GCC makes one version for each instruction set and picks at
-// run time. All versions give the same bits: no contraction, sqrt and division are exact in each.
 #include "field/godunov_tile.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__)
-#define PHRONT_CLONES __attribute__((target_clones("default", "avx2", "arch=x86-64-v4")))
-#else
-#define PHRONT_CLONES
-#endif
+#include "base/lanes.h"
+#include "field/skewed_tile.h"
 
 namespace phront {
 namespace {
 
-constexpr int kSize = 8;
-constexpr int kRow = kSize + 2;  // a lane of halo on both sides
-
-/// Rows of all planes, with one plane and one row of halo around.
-template <int Dim>
-struct Scratch {
-  static constexpr int kPlanes = Dim * (kSize - 1) + 1;
-  static constexpr int kRows = Dim == 2 ? 1 : kSize;
-  static constexpr int kHaloRows = Dim == 2 ? 1 : kSize + 2;
-  using Planes = std::array<std::array<std::array<double, kRow>, kHaloRows>, kPlanes + 2>;
-
-  /// Place of a node in sweeping direction, -1 .. 8 each.
-  static double& at(Planes& planes, std::ptrdiff_t p, std::ptrdiff_t q, std::ptrdiff_t r) {
-    return planes[static_cast<std::size_t>(p + q + r + 1)]
-                 [Dim == 2 ? 0 : static_cast<std::size_t>(r + 1)][static_cast<std::size_t>(q + 1)];
+/// Sweeps N lanes of a row. `Upwind` is 1 when lanes ascend in sweeping direction, else -1.
+///
+/// The candidate is the larger root of sum max(0, u - a_i)^2 = step^2 for the smaller neighbours
+/// a_i along the axes (Rouy and Tourin 1992), without branches and with one square root: of the
+/// sorted values low, low + g, low + k the second is cut to low + step, where it adds nothing; the
+/// third takes part when k^2 + (k - g)^2 < step^2, and the discriminant of three axes is that of
+/// two and what is missing there.
+template <class Real, int Dim, int N, std::ptrdiff_t Upwind>
+PHRONT_INLINE void sweepRow(Real* here, const Real* steps) {
+  using Tile = SkewedTile<Real, Dim>;
+  using L = Lanes<Real, N>;
+  const auto smaller = [](const Real* a, const Real* b) __attribute__((always_inline)) {
+    return minOf<L>(loadLanes<L>(a), loadLanes<L>(b));
+  };
+  const L step = loadLanes<L>(steps);
+  const L x = smaller(here - Tile::kRow - Upwind, here + Tile::kRow + Upwind);
+  const L y = smaller(here - Tile::kRow, here + Tile::kRow);
+  L candidate;
+  if constexpr (Dim == 2) {
+    const L low = minOf<L>(x, y);
+    const L g = minOf<L>(maxOf<L>(x, y) - low, step);
+    const L root = sqrtOf<Real, N>(step * step + step * step - g * g);
+    candidate = low + (g + root) * Real(0.5);
+  } else {
+    const L z = smaller(here - Tile::kSlice, here + Tile::kSlice);
+    const L xy = minOf<L>(x, y);
+    const L yx = maxOf<L>(x, y);
+    const L low = minOf<L>(xy, z);
+    const L rest = maxOf<L>(xy, z);
+    const L g = minOf<L>(minOf<L>(yx, rest) - low, step);
+    const L k = maxOf<L>(yx, rest) - low;
+    const L squared = step * step;
+    const L missing = squared - (k * k + (k - g) * (k - g));
+    const L none{};
+    const auto third = missing > none;
+    const L root = sqrtOf<Real, N>((squared + squared - g * g) + (third ? missing : none));
+    const L half = none + Real(0.5);
+    const L inThree = none + Real(1.0 / 3.0);
+    candidate = low + (g + (third ? k : none) + root) * (third ? inThree : half);
   }
-
-  Scratch() {
-    for (auto& plane : value) {
-      for (auto& row : plane) row.fill(kFar);
-    }
-    for (auto& plane : step) {
-      for (auto& row : plane) row.fill(kBlocked);
-    }
-  }
-  alignas(64) Planes value;
-  alignas(64) Planes step;
-};
-
-PHRONT_CLONES
-void sweepPlanes(Scratch<2>& s) {
-  for (std::size_t plane = 1; plane <= Scratch<2>::kPlanes; ++plane) {
-    const double* before = s.value[plane - 1][0].data();
-    const double* after = s.value[plane + 1][0].data();
-    double* here = s.value[plane][0].data();
-    const double* step = s.step[plane][0].data();
-    double updated[kSize];
-    for (int q = 0; q < kSize; ++q) {
-      const double a = before[q + 1] < after[q + 1] ? before[q + 1] : after[q + 1];
-      const double b = before[q] < after[q + 2] ? before[q] : after[q + 2];
-      const double next = godunovCandidate(a, b, step[q + 1]);
-      updated[q] = next < here[q + 1] ? next : here[q + 1];
-    }
-    for (int q = 0; q < kSize; ++q) here[q + 1] = updated[q];
-  }
+  storeLanes(here, minOf<L>(candidate, loadLanes<L>(here)));
 }
 
-PHRONT_CLONES
-void sweepPlanes(Scratch<3>& s) {
-  constexpr int kLast = kSize - 1;
-  for (int level = 0; level < Scratch<3>::kPlanes; ++level) {
-    const auto plane = static_cast<std::size_t>(level + 1);
-    // Rows with a node of this plane.
-    const int from = std::max(0, level - 2 * kLast);
-    const int to = std::min(kLast, level);
-    for (int r = from; r <= to; ++r) {
-      const auto row = static_cast<std::size_t>(r + 1);
-      const double* before = s.value[plane - 1][row].data();
-      const double* after = s.value[plane + 1][row].data();
-      const double* below = s.value[plane - 1][row - 1].data();
-      const double* above = s.value[plane + 1][row + 1].data();
-      double* here = s.value[plane][row].data();
-      const double* step = s.step[plane][row].data();
-      double updated[kSize];
-      for (int q = 0; q < kSize; ++q) {
-        const double a = before[q + 1] < after[q + 1] ? before[q + 1] : after[q + 1];
-        const double b = before[q] < after[q + 2] ? before[q] : after[q + 2];
-        const double c = below[q + 1] < above[q + 1] ? below[q + 1] : above[q + 1];
-        const double next = godunovCandidate(a, b, c, step[q + 1]);
-        updated[q] = next < here[q + 1] ? next : here[q + 1];
+/// All rows in the order of the diagonal planes. The first and the last rows of a slice fill only
+/// half of the lanes.
+template <class Real, int Dim, bool Descending>
+PHRONT_INLINE void sweepRows(SkewedTile<Real, Dim>& tile) {
+  using Tile = SkewedTile<Real, Dim>;
+  constexpr int kLastRow = 2 * (Tile::kSize - 1);
+  constexpr int kSlices = Tile::kSlices;
+  constexpr std::ptrdiff_t kUpwind = Descending ? -1 : 1;
+  constexpr std::ptrdiff_t kEarly = Descending ? Tile::kHalf : 0;
+  constexpr std::ptrdiff_t kLate = Tile::kHalf - kEarly;
+  for (int plane = 0; plane < kLastRow + kSlices; ++plane) {
+    for (int slice = std::max(0, plane - kLastRow); slice < std::min(kSlices, plane + 1); ++slice) {
+      const int row = plane - slice;
+      Real* here = tile.values.data() + Tile::at(row, slice);
+      const Real* steps = tile.steps.data() + Tile::at(row, slice);
+      if (row < Tile::kHalf) {
+        sweepRow<Real, Dim, 4, kUpwind>(here + kEarly, steps + kEarly);
+      } else if (row > kLastRow - Tile::kHalf) {
+        sweepRow<Real, Dim, 4, kUpwind>(here + kLate, steps + kLate);
+      } else if constexpr (sizeof(Real) == sizeof(float)) {
+        sweepRow<Real, Dim, 8, kUpwind>(here, steps);
+      } else {
+        sweepRow<Real, Dim, 4, kUpwind>(here, steps);
+        sweepRow<Real, Dim, 4, kUpwind>(here + 4, steps + 4);
       }
-      for (int q = 0; q < kSize; ++q) here[q + 1] = updated[q];
     }
   }
 }
 
-/// How (p, q, r) in sweeping direction walk over a tile with x fastest.
+/// Where the nodes of a tile lie in memory, by their place in sweeping direction.
 template <int Dim>
 struct Walk {
-  std::ptrdiff_t start = 0;
-  std::array<std::ptrdiff_t, 3> stride{};  // the third is 0 in the plane
+  unsigned ordering;
 
-  explicit Walk(unsigned ordering) {
-    std::ptrdiff_t size = 1;
-    for (std::size_t axis = 0; axis < Dim; ++axis, size *= kSize) {
-      const bool descending = (ordering >> axis & 1U) != 0;
-      stride[axis] = descending ? -size : size;
-      if (descending) start += (kSize - 1) * size;
-    }
+  [[nodiscard]] bool descending(unsigned axis) const { return (ordering >> axis & 1U) != 0; }
+  [[nodiscard]] std::ptrdiff_t place(unsigned axis, std::ptrdiff_t n) const {
+    return descending(axis) ? 7 - n : n;
   }
-
-  [[nodiscard]] std::ptrdiff_t operator()(std::ptrdiff_t p, std::ptrdiff_t q,
-                                          std::ptrdiff_t r) const {
-    return start + p * stride[0] + q * stride[1] + r * stride[2];
+  /// First node of row q of slice r.
+  [[nodiscard]] std::ptrdiff_t row(std::ptrdiff_t q, std::ptrdiff_t r) const {
+    return 8 * place(1, q) + (Dim == 2 ? 0 : 64 * place(2, r));
   }
 };
 
-/// The faces of the neighbours that touch the tile.
-template <int Dim>
-void loadHalo(const TileView<Dim>& tile, unsigned ordering, const Walk<Dim>& walk,
-              Scratch<Dim>& s) {
-  constexpr std::ptrdiff_t kLast = kSize - 1;
-  std::array<const double*, Dim> upwind{};
-  std::array<const double*, Dim> downwind{};
-  for (std::size_t axis = 0; axis < Dim; ++axis) {
-    const std::size_t descending = ordering >> axis & 1U;
-    upwind[axis] = tile.neighbours[2 * axis + descending];
-    downwind[axis] = tile.neighbours[2 * axis + 1 - descending];
+/// One sweep of one tile; a class, as its parts must be inlined into each clone.
+template <class Real, int Dim, bool Descending>
+class TileSweep {
+ public:
+  using Tile = SkewedTile<Real, Dim>;
+
+  PHRONT_INLINE static bool run(const TileView<Real, Dim>& view, unsigned ordering, Real tolerance,
+                                Tile& tile, bool& plainSteps) {
+    const Walk<Dim> walk{ordering};
+    load(view, walk, tile);
+    if (view.steps != nullptr || !plainSteps) loadSteps(view.steps, walk, tile);
+    plainSteps = view.steps == nullptr;
+    sweepRows<Real, Dim, Descending>(tile);
+    return store(view, walk, tile, tolerance);
   }
-  const auto of = [](const double* values, std::ptrdiff_t n) {
-    return values == nullptr ? kFar : values[n];
-  };
-  for (std::ptrdiff_t r = 0; r < Scratch<Dim>::kRows; ++r) {
-    for (std::ptrdiff_t i = 0; i < kSize; ++i) {
-      s.at(s.value, -1, i, r) = of(upwind[0], walk(kLast, i, r));
-      s.at(s.value, kSize, i, r) = of(downwind[0], walk(0, i, r));
-      s.at(s.value, i, -1, r) = of(upwind[1], walk(i, kLast, r));
-      s.at(s.value, i, kSize, r) = of(downwind[1], walk(i, 0, r));
-    }
+
+ private:
+  static constexpr std::ptrdiff_t kRow = Tile::kRow;
+
+  /// Both halves of the rows; `skewed` is the row of the first one's first node.
+  template <int Count>
+  PHRONT_INLINE static void skew(const MemoryRows<Real, Count>& rows, Real fill, Real* skewed) {
+    constexpr std::ptrdiff_t kLow = Descending ? 4 * kRow : 0;  // lanes 0 .. 3 come later then
+    constexpr std::ptrdiff_t kHigh = 4 * kRow - kLow;
+    skewHalf<Real, Count, Descending, kRow>(rows, 0, fill, skewed + kLow);
+    skewHalf<Real, Count, Descending, kRow>(rows, 4, fill, skewed + kHigh + 4);
   }
-  if constexpr (Dim == 3) {
-    for (std::ptrdiff_t q = 0; q < kSize; ++q) {
-      for (std::ptrdiff_t p = 0; p < kSize; ++p) {
-        s.at(s.value, p, q, -1) = of(upwind[2], walk(p, q, kLast));
-        s.at(s.value, p, q, kSize) = of(downwind[2], walk(p, q, 0));
+
+  PHRONT_INLINE static void load(const TileView<Real, Dim>& view, const Walk<Dim>& walk,
+                                 Tile& tile) {
+    static const auto kNone = [] {
+      std::array<Real, 512> none;
+      none.fill(kFar<Real>);
+      return none;
+    }();
+    const auto neighbour = [&](unsigned axis, bool downwind) {
+      const Real* values =
+          view.neighbours[2 * axis + static_cast<std::size_t>(walk.descending(axis) != downwind)];
+      return values == nullptr ? kNone.data() : values;
+    };
+    const Real* left = neighbour(0, false) + walk.place(0, 7);
+    const Real* right = neighbour(0, true) + walk.place(0, 0);
+    const Real* front = neighbour(1, false);
+    const Real* back = neighbour(1, true);
+    constexpr std::ptrdiff_t kBefore = Descending ? 8 : -1;
+    constexpr std::ptrdiff_t kAfter = Descending ? -1 : 8;
+    for (std::ptrdiff_t r = 0; r < Tile::kSlices; ++r) {
+      MemoryRows<Real, 10> rows;
+      rows.front() = front + walk.row(7, r);
+      for (std::ptrdiff_t q = 0; q < 8; ++q)
+        rows[static_cast<std::size_t>(q + 1)] = view.values + walk.row(q, r);
+      rows.back() = back + walk.row(0, r);
+      Real* slice = tile.values.data() + Tile::at(-1, r);
+      skew<10>(rows, kFar<Real>, slice);
+      for (std::ptrdiff_t q = 0; q < 8; ++q) {
+        slice[q * kRow + kBefore] = left[walk.row(q, r)];
+        slice[(q + 9) * kRow + kAfter] = right[walk.row(q, r)];
       }
     }
+    if constexpr (Dim == 3) {
+      loadSlice(neighbour(2, false), walk, 7, tile.values.data() + Tile::at(0, -1));
+      loadSlice(neighbour(2, true), walk, 0, tile.values.data() + Tile::at(0, 8));
+    }
   }
-}
+
+  PHRONT_INLINE static void loadSlice(const Real* values, const Walk<Dim>& walk, std::ptrdiff_t r,
+                                      Real* skewed) {
+    MemoryRows<Real, 8> rows;
+    for (std::ptrdiff_t q = 0; q < 8; ++q)
+      rows[static_cast<std::size_t>(q)] = values + walk.row(q, r);
+    skew<8>(rows, kFar<Real>, skewed);
+  }
+
+  PHRONT_INLINE static void loadSteps(const Real* steps, const Walk<Dim>& walk, Tile& tile) {
+    static constexpr std::array<Real, 8> kPlain{1, 1, 1, 1, 1, 1, 1, 1};
+    for (std::ptrdiff_t r = 0; r < Tile::kSlices; ++r) {
+      MemoryRows<Real, 8> rows;
+      for (std::ptrdiff_t q = 0; q < 8; ++q) {
+        rows[static_cast<std::size_t>(q)] =
+            steps == nullptr ? kPlain.data() : steps + walk.row(q, r);
+      }
+      skew<8>(rows, kBlocked<Real>, tile.steps.data() + Tile::at(0, r));
+    }
+  }
+
+  PHRONT_INLINE static bool store(const TileView<Real, Dim>& view, const Walk<Dim>& walk,
+                                  const Tile& tile, Real tolerance) {
+    constexpr std::ptrdiff_t kLow = Descending ? 4 * kRow : 0;
+    constexpr std::ptrdiff_t kHigh = 4 * kRow - kLow;
+    Lanes<Real, 4> most{};
+    for (std::ptrdiff_t r = 0; r < Tile::kSlices; ++r) {
+      std::array<Real*, 8> rows;
+      for (std::ptrdiff_t q = 0; q < 8; ++q)
+        rows[static_cast<std::size_t>(q)] = view.values + walk.row(q, r);
+      const Real* slice = tile.values.data() + Tile::at(0, r);
+      most = maxOf(most, unskewHalf<Real, Descending, kRow>(slice + kLow, rows, 0));
+      most = maxOf(most, unskewHalf<Real, Descending, kRow>(slice + kHigh + 4, rows, 4));
+    }
+    return std::max(std::max(most[0], most[1]), std::max(most[2], most[3])) > tolerance;
+  }
+};
+
+// Clones cannot be templates.
+template <class Real, int Dim>
+struct Kept {
+  SkewedTile<Real, Dim> tile;
+  bool plainSteps = false;  ///< the steps of the tile are those of speed 1
+};
+
+#define PHRONT_SWEEP(Real, Dim, Descending, name)                                             \
+  PHRONT_CLONES bool name(const TileView<Real, Dim>& view, unsigned ordering, Real tolerance, \
+                          Kept<Real, Dim>& kept) {                                            \
+    return TileSweep<Real, Dim, Descending>::run(view, ordering, tolerance, kept.tile,        \
+                                                 kept.plainSteps);                            \
+  }
+PHRONT_SWEEP(float, 2, false, sweepAscending)
+PHRONT_SWEEP(float, 3, false, sweepAscending)
+PHRONT_SWEEP(double, 2, false, sweepAscending)
+PHRONT_SWEEP(double, 3, false, sweepAscending)
+PHRONT_SWEEP(float, 2, true, sweepDescending)
+PHRONT_SWEEP(float, 3, true, sweepDescending)
+PHRONT_SWEEP(double, 2, true, sweepDescending)
+PHRONT_SWEEP(double, 3, true, sweepDescending)
 
 }  // namespace
 
-template <int Dim>
-bool sweepTile(const TileView<Dim>& tile, unsigned ordering, double tolerance) {
-  static thread_local Scratch<Dim> s;
-  const Walk<Dim> walk(ordering);
-  for (std::ptrdiff_t r = 0; r < Scratch<Dim>::kRows; ++r) {
-    for (std::ptrdiff_t q = 0; q < kSize; ++q) {
-      for (std::ptrdiff_t p = 0; p < kSize; ++p) {
-        const std::ptrdiff_t n = walk(p, q, r);
-        s.at(s.value, p, q, r) = tile.values[n];
-        s.at(s.step, p, q, r) = tile.steps[n];
-      }
-    }
-  }
-  loadHalo(tile, ordering, walk, s);
-  sweepPlanes(s);
-  bool changed = false;
-  for (std::ptrdiff_t r = 0; r < Scratch<Dim>::kRows; ++r) {
-    for (std::ptrdiff_t q = 0; q < kSize; ++q) {
-      for (std::ptrdiff_t p = 0; p < kSize; ++p) {
-        double& value = tile.values[walk(p, q, r)];
-        const double now = s.at(s.value, p, q, r);
-        changed |= value - now > tolerance;
-        value = now;
-      }
-    }
-  }
-  return changed;
+template <class Real, int Dim>
+bool sweepTile(const TileView<Real, Dim>& tile, unsigned ordering, Real tolerance) {
+  static thread_local Kept<Real, Dim> ascending;
+  static thread_local Kept<Real, Dim> descending;
+  return (ordering & 1U) == 0 ? sweepAscending(tile, ordering, tolerance, ascending)
+                              : sweepDescending(tile, ordering, tolerance, descending);
 }
 
-template bool sweepTile<2>(const TileView<2>&, unsigned, double);
-template bool sweepTile<3>(const TileView<3>&, unsigned, double);
+template bool sweepTile<float, 2>(const TileView<float, 2>&, unsigned, float);
+template bool sweepTile<float, 3>(const TileView<float, 3>&, unsigned, float);
+template bool sweepTile<double, 2>(const TileView<double, 2>&, unsigned, double);
+template bool sweepTile<double, 3>(const TileView<double, 3>&, unsigned, double);
 
 }  // namespace phront

@@ -19,22 +19,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kGrain = 256;  // nodes per task
 constexpr std::int64_t kReports = 50;
 
-Result<void> checkGrid(const NodeGrid& grid, const GridFieldOptions& options) {
-  if (*std::min_element(grid.nodes.begin(), grid.nodes.end()) < 1) {
-    return fail(ErrorCode::InvalidArgument, "The grid needs at least one node along each axis.",
-                "nodes");
-  }
-  if (!(grid.spacing > 0) || !std::isfinite(grid.spacing) || !grid.origin.allFinite()) {
-    return fail(ErrorCode::InvalidArgument,
-                "The grid needs a positive spacing and a finite origin.", "spacing");
-  }
-  if (options.threads < 0) {
-    return fail(ErrorCode::InvalidArgument, "The number of threads must not be negative.",
-                "threads");
-  }
-  return {};
-}
-
 /// Exact signed distance at the nodes nearer than `reach`, infinity elsewhere. The geometry's foot
 /// is `footOf(x, reach)`.
 template <class FootOf>
@@ -92,7 +76,11 @@ void spreadSigns(const NodeGrid& grid, const std::vector<double>& exact, std::ve
 template <class FootOf>
 Result<GridField> solve(const NodeGrid& grid, const FootOf& footOf, bool closed,
                         const GridFieldOptions& options, const Progress& progress) {
-  if (auto ok = checkGrid(grid, options); !ok) return tl::unexpected(ok.error());
+  if (auto ok = checkGrid(grid); !ok) return tl::unexpected(ok.error());
+  if (options.threads < 0) {
+    return fail(ErrorCode::InvalidArgument, "The number of threads must not be negative.",
+                "threads");
+  }
   GridField field;
   if (options.solver == FieldSolver::Exact) {
     auto phi = exactValues(grid, footOf, kInfinity, options.threads, progress);

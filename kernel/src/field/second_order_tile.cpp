@@ -8,6 +8,7 @@
 #include "field/second_order_tile.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 namespace phront {
@@ -20,22 +21,22 @@ constexpr int kBits = 3;
 template <int Dim>
 class Line {
  public:
-  Line(const TileView<Dim>& tile, std::ptrdiff_t node, std::size_t axis)
+  Line(const TileView<double, Dim>& tile, std::ptrdiff_t node, std::size_t axis)
       : tile_(tile), axis_(axis), stride_(std::ptrdiff_t{1} << (kBits * axis)) {
     place_ = (node >> (kBits * axis)) & (kSize - 1);
     first_ = node - place_ * stride_;
   }
-  /// kFar where no node is.
+  /// kFar<double> where no node is.
   [[nodiscard]] double at(std::ptrdiff_t offset) const {
     const std::ptrdiff_t place = place_ + offset;
     const double* values = tile_.values;
     if (place < 0) values = tile_.neighbours[2 * axis_];
     if (place >= kSize) values = tile_.neighbours[2 * axis_ + 1];
-    return values == nullptr ? kFar : values[first_ + (place & (kSize - 1)) * stride_];
+    return values == nullptr ? kFar<double> : values[first_ + (place & (kSize - 1)) * stride_];
   }
 
  private:
-  const TileView<Dim>& tile_;
+  const TileView<double, Dim>& tile_;
   std::size_t axis_;
   std::ptrdiff_t stride_;
   std::ptrdiff_t place_ = 0;
@@ -44,7 +45,7 @@ class Line {
 
 /// What an axis adds to the sum that must become step^2: weight (u - value)^2.
 struct Term {
-  double value = kFar;
+  double value = kFar<double>;
   double weight = 1;
 };
 
@@ -71,7 +72,7 @@ double solve(std::array<Term, Dim> terms, double step) {
   double weight = 0;
   double sum = 0;
   double squares = 0;
-  double u = kFar;
+  double u = kFar<double>;
   for (const Term& term : terms) {
     const double a = term.value - low;
     if (u - low <= a) break;
@@ -87,8 +88,8 @@ double solve(std::array<Term, Dim> terms, double step) {
 }  // namespace
 
 template <int Dim>
-bool refineTile(const TileView<Dim>& tile, const TileView<Dim>& first, unsigned ordering,
-                double tolerance) {
+bool refineTile(const TileView<double, Dim>& tile, const TileView<double, Dim>& first,
+                unsigned ordering, double tolerance) {
   constexpr std::ptrdiff_t kNodes = std::ptrdiff_t{1} << (kBits * Dim);
   std::ptrdiff_t flips = 0;  // a descending axis counts its bits backwards
   for (std::size_t axis = 0; axis < Dim; ++axis) {
@@ -97,9 +98,9 @@ bool refineTile(const TileView<Dim>& tile, const TileView<Dim>& first, unsigned 
   bool changed = false;
   for (std::ptrdiff_t visit = 0; visit < kNodes; ++visit) {
     const std::ptrdiff_t n = visit ^ flips;
-    const double step = tile.steps[n];
+    const double step = tile.steps == nullptr ? 1 : tile.steps[n];
     double& here = tile.values[n];
-    if (step >= kFar || here >= kFar) continue;
+    if (step >= kFar<double> || here >= kFar<double>) continue;
     std::array<Term, Dim> terms;
     for (std::size_t axis = 0; axis < Dim; ++axis) {
       terms[axis] =
@@ -112,7 +113,9 @@ bool refineTile(const TileView<Dim>& tile, const TileView<Dim>& first, unsigned 
   return changed;
 }
 
-template bool refineTile<2>(const TileView<2>&, const TileView<2>&, unsigned, double);
-template bool refineTile<3>(const TileView<3>&, const TileView<3>&, unsigned, double);
+template bool refineTile<2>(const TileView<double, 2>&, const TileView<double, 2>&, unsigned,
+                            double);
+template bool refineTile<3>(const TileView<double, 3>&, const TileView<double, 3>&, unsigned,
+                            double);
 
 }  // namespace phront

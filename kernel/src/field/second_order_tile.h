@@ -9,10 +9,12 @@ namespace phront {
 /// the order `ordering` as in sweepTile(). `first` holds the solution of first order: it says which
 /// nodes lie upwind. Returns whether a value changed by more than `tolerance`.
 template <int Dim>
-bool refineTile(const TileView<Dim>& tile, const TileView<Dim>& first, unsigned ordering,
-                double tolerance);
+bool refineTile(const TileView<double, Dim>& tile, const TileView<double, Dim>& first,
+                unsigned ordering, double tolerance);
 
-extern template bool refineTile<2>(const TileView<2>&, const TileView<2>&, unsigned, double);
-extern template bool refineTile<3>(const TileView<3>&, const TileView<3>&, unsigned, double);
+extern template bool refineTile<2>(const TileView<double, 2>&, const TileView<double, 2>&, unsigned,
+                                   double);
+extern template bool refineTile<3>(const TileView<double, 3>&, const TileView<double, 3>&, unsigned,
+                                   double);
 
 }  // namespace phront

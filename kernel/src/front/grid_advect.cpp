@@ -208,10 +208,7 @@ Result<AdvectResult> advectOnGrid(const NodeGrid& grid, std::span<const double> 
     return fail(ErrorCode::InvalidArgument, "The number of threads must not be negative.",
                 "threads");
   }
-  if (!(grid.spacing > 0) || !std::isfinite(grid.spacing)) {
-    return fail(ErrorCode::InvalidArgument, "The grid spacing must be positive and finite.",
-                "spacing");
-  }
+  if (auto ok = checkGrid(grid); !ok) return tl::unexpected(ok.error());
   if (phi.size() != static_cast<std::size_t>(grid.nodeCount())) {
     return fail(ErrorCode::InvalidArgument, "There must be one value per node.", "phi");
   }

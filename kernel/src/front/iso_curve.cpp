@@ -118,12 +118,9 @@ class Marcher {
 }  // namespace
 
 Result<CurveMesh> isoCurve(const NodeGrid& grid, std::span<const double> values, double level) {
-  if (!grid.planar() || grid.nodes[0] < 1 || grid.nodes[1] < 1) {
+  if (auto ok = checkGrid(grid); !ok) return tl::unexpected(ok.error());
+  if (!grid.planar()) {
     return fail(ErrorCode::InvalidArgument, "Level lines need a grid in the plane.", "grid");
-  }
-  if (!(grid.spacing > 0) || !std::isfinite(grid.spacing)) {
-    return fail(ErrorCode::InvalidArgument, "The grid spacing must be positive and finite.",
-                "spacing");
   }
   if (values.size() != static_cast<std::size_t>(grid.nodeCount())) {
     return fail(ErrorCode::InvalidArgument, "There must be one value per node.", "values");
