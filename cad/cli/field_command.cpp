@@ -68,7 +68,7 @@ int runField(const FieldArguments& arguments) {
   if (!field) return reportError(field.error());
   if (const Result<void> ok = writeField(*field, arguments.out); !ok)
     return reportError(ok.error());
-  const std::size_t nodes = field->tiles().size() * DistanceField::kNodesPerTile;
+  const std::size_t nodes = field->values().size();
   if (!common.quiet)
     fmt::print(stderr, "{}: {} tiles, {} nodes, band +-{:g} mm, spacing {:g} mm\n",
                arguments.out.string(), field->tiles().size(), nodes, band, *spacing);

@@ -452,7 +452,7 @@ TEST_F(MeshIo, VtkReadsTheField) {
   reader->SetFileName(file("phi.vtu").c_str());
   reader->Update();
   vtkUnstructuredGrid* grid = reader->GetOutput();
-  const auto nodes = static_cast<vtkIdType>(field->tiles().size()) * DistanceField::kNodesPerTile;
+  const auto nodes = static_cast<vtkIdType>(field->values().size());
   ASSERT_EQ(grid->GetNumberOfPoints(), nodes);  // closed surface: phi at every node
   ASSERT_GT(nodes, 0);
   vtkDataArray* phi = grid->GetPointData()->GetArray("phi");

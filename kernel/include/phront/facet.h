@@ -17,8 +17,8 @@ struct Plane {
 };
 
 struct FacetOptions {
-  double tolerance = 0;         ///< allowed deviation of facets from phi = d, model units, > 0
-  Index maxFacets = 20'000;     ///< tolerance is raised (and reported) until this holds
+  double tolerance = 0;      ///< allowed deviation of facets from phi = d, model units, > 0
+  Index maxFacets = 20'000;  ///< tolerance is raised (and reported) until this holds
   /// Per B-Rep face of the input: its plane if it is planar, in the input's position.
   /// The offset plane of face f is {normal, offset + d} with the normal towards phi > 0.
   std::vector<std::optional<Plane>> planeOfFace;
@@ -37,8 +37,8 @@ struct FacetPolygon {
 struct FacetedSurface {
   std::vector<Vec3> points;
   std::vector<FacetPolygon> polygons;
-  double maxDeviation = 0;   ///< measured max |phi - d| on a sample of all facets
-  double p99Deviation = 0;   ///< 99th percentile by area of the same
+  double maxDeviation = 0;     ///< measured max |phi - d| on a sample of all facets
+  double p99Deviation = 0;     ///< 99th percentile by area of the same
   double maxNonPlanarity = 0;  ///< largest distance of a point from the plane of its polygon
 };
 

@@ -30,8 +30,8 @@ struct GridField {
 
 /// phi of the curves on a planar grid, or of the surface on one in space. Seeds of Godunov are the
 /// nodes of all cells that the geometry may touch: nearer to it than the diagonal of a cell (second
-/// order: than that and one cell more). Signs are exact; open geometry: of the side, also beyond the
-/// border. Fails with InvalidArgument (grid; Godunov: no node near the geometry), Cancelled.
+/// order: than that and one cell more). Signs are exact; open geometry: of the side, also beyond
+/// the border. Fails with InvalidArgument (grid; Godunov: no node near the geometry), Cancelled.
 [[nodiscard]] Result<GridField> solveGridField(const NodeGrid& grid, const CurveDistance& curves,
                                                const GridFieldOptions& options = {},
                                                const Progress& progress = {});

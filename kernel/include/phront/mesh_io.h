@@ -19,8 +19,8 @@ enum class MeshFormat { Stl, Obj, Ply, Vtu };
 
 /// Reads STL (binary or ASCII; welded by bitwise equal points), OBJ (polygons are fanned), PLY
 /// (ASCII or binary little/big endian). Point and triangle order follow the file. ASCII STL solids
-/// and OBJ groups become faceOf. Fails with UnreadableInput (not there, empty, cut short, NaN, index
-/// out of range); never crashes on hostile input.
+/// and OBJ groups become faceOf. Fails with UnreadableInput (not there, empty, cut short, NaN,
+/// index out of range); never crashes on hostile input.
 [[nodiscard]] Result<TriMesh> readMesh(const std::filesystem::path& path);
 
 /// Writes binary STL, OBJ, binary PLY or VTU (faceOf as cell data). Written to a file beside it,

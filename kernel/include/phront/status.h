@@ -9,14 +9,14 @@ namespace phront {
 
 /// Stable, tested. The command line maps them to exit codes.
 enum class ErrorCode {
-  Failed,            ///< the operation was tried and gave nothing usable
-  InvalidArgument,   ///< an option or input value outside its stated range
-  UnreadableInput,   ///< a file or shape that cannot be read or holds no usable geometry
-  CannotWrite,       ///< the output cannot be written
-  NotSupported,      ///< outside what this version does
-  ResourceLimit,     ///< a time or memory limit was reached
-  Cancelled,         ///< the progress callback asked to stop
-  OutOfTolerance,    ///< finished, but the result misses its tolerance or contract
+  Failed,           ///< the operation was tried and gave nothing usable
+  InvalidArgument,  ///< an option or input value outside its stated range
+  UnreadableInput,  ///< a file or shape that cannot be read or holds no usable geometry
+  CannotWrite,      ///< the output cannot be written
+  NotSupported,     ///< outside what this version does
+  ResourceLimit,    ///< a time or memory limit was reached
+  Cancelled,        ///< the progress callback asked to stop
+  OutOfTolerance,   ///< finished, but the result misses its tolerance or contract
 };
 
 /// One failure: a sentence that says what, where and, if there is one, the remedy.

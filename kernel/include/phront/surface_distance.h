@@ -1,6 +1,8 @@
 // Exact signed distance to a triangle mesh: the reference for every field, front and check.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <memory>
 
@@ -22,6 +24,13 @@ struct FootPoint {
   bool beyondBorder = false;  ///< foot on a free edge of an open shell: phi has no sign here
 
   [[nodiscard]] double phi() const { return sign * distance; }
+};
+
+/// phi at 8 x 8 x 8 nodes of a grid: node (i,j,k) of the block is number (k * 8 + j) * 8 + i.
+struct BlockPhi {
+  std::array<std::uint64_t, 8> held{};  ///< bit j * 8 + i of word k: the node is within reach
+  std::array<double, 512> phi{};        ///< of held nodes
+  std::array<Index, 512> triangle{};    ///< of held nodes: closest; kNone: beyond the border
 };
 
 /// How the sign of a closed mesh is found.
@@ -57,6 +66,11 @@ class SurfaceDistance {
   /// triangle. Measured to cost about as much as foot().
   [[nodiscard]] FootPoint footFrom(const Vec3& x, Index triangle) const;
 
+  /// foot() at the nodes origin + spacing (first + (i,j,k)), i, j, k = 0 .. 7, that are not farther
+  /// than `reach`: the same bits, several times sooner. spacing > 0.
+  [[nodiscard]] BlockPhi phiOnBlock(const Vec3& origin, double spacing,
+                                    const std::array<std::int32_t, 3>& first, double reach) const;
+
   /// Closest point of one triangle (no sign: always +1).
   [[nodiscard]] FootPoint footOnTriangle(const Vec3& x, Index triangle) const;
 
@@ -72,6 +86,8 @@ class SurfaceDistance {
   /// fractional near open borders (Jacobson et al. 2013, with a far-field expansion
   /// after Barill et al. 2018).
   [[nodiscard]] double windingNumber(const Vec3& x) const;
+  /// The winding number of a closed mesh, a whole number: sooner.
+  [[nodiscard]] int timesAround(const Vec3& x) const;
 
   SurfaceDistance(SurfaceDistance&&) noexcept;
   SurfaceDistance& operator=(SurfaceDistance&&) noexcept;

@@ -36,14 +36,14 @@ struct TriMesh {
 
 /// What is wrong with a mesh, counted.
 struct MeshDiagnostics {
-  Index nonFinitePoints = 0;       ///< NaN or infinite coordinates
-  Index badIndices = 0;            ///< triangles that name a point which is not there
-  Index degenerateTriangles = 0;   ///< a point used twice, or zero area
-  Index freeEdges = 0;             ///< used by one triangle
-  Index nonManifoldEdges = 0;      ///< used by more than two triangles
-  Index misorientedEdges = 0;      ///< run twice in the same direction
-  Index nonManifoldPoints = 0;     ///< whose triangles form more than one fan
-  Index components = 0;            ///< pieces connected over edges
+  Index nonFinitePoints = 0;      ///< NaN or infinite coordinates
+  Index badIndices = 0;           ///< triangles that name a point which is not there
+  Index degenerateTriangles = 0;  ///< a point used twice, or zero area
+  Index freeEdges = 0;            ///< used by one triangle
+  Index nonManifoldEdges = 0;     ///< used by more than two triangles
+  Index misorientedEdges = 0;     ///< run twice in the same direction
+  Index nonManifoldPoints = 0;    ///< whose triangles form more than one fan
+  Index components = 0;           ///< pieces connected over edges
 
   /// Closed, consistently oriented 2-manifold.
   [[nodiscard]] bool closedManifold() const {

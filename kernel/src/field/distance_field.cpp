@@ -1,12 +1,9 @@
 // Exact signed distance on sparse tiles.
 //
-// Tiles come from an octree descent (tile_descent.h). Inside a tile the nodes are visited as one
-// snake, and the closest triangle of each bounds the search of the next; the walk of the hierarchy
-// then proves the answer, so that no node is ever wrong. It does not depend on where the walk
-// starts: same bits for any number of threads and any order of tiles. The sign is that of the
-// foot's pseudonormal, audited (sign_audit.h). Weak spot: speed. The proof is a full query per
-// node, and the carried bound gains nothing measurable over cold queries (figures in
-// geom/surface_distance.cpp).
+// Tiles come from an octree descent (tile_descent.h). The nodes of a tile get their closest
+// triangles together (geom/block_query.h): proven, so that no node is ever wrong, and independent
+// of the order of tiles: same bits for any number of threads. The sign is that of the foot's
+// pseudonormal, audited (sign_audit.h).
 #include "phront/distance_field.h"
 
 #include <fmt/format.h>
@@ -24,12 +21,10 @@ namespace {
 
 constexpr int kSize = DistanceField::kTileSize;
 constexpr int kBits = 3;               // kSize == 1 << kBits
-constexpr std::int64_t kGrain = 4;     // tiles per task: a few ms
-constexpr std::int64_t kReports = 50;  // chunks of tiles between two looks at the progress handle
+constexpr std::int64_t kGrain = 4;     // tiles per task: a few tenths of a ms
+constexpr std::int64_t kChunk = 1024;  // tiles that are kept unpacked; then the progress handle
 
-std::size_t nodeInTile(std::int32_t i, std::int32_t j, std::int32_t k) {
-  return static_cast<std::size_t>((k * kSize + j) * kSize + i);
-}
+std::size_t index(std::int64_t i) { return static_cast<std::size_t>(i); }
 
 Result<void> checkOptions(const FieldOptions& options) {
   if (!(options.spacing > 0) || !std::isfinite(options.spacing)) {
@@ -71,50 +66,72 @@ class FieldBuilder {
     const auto seeds = tilesOfBand(surface_, grid, progress.part(0, 0.1, "tiles"));
     if (!seeds) return tl::unexpected(seeds.error());
     const auto count = static_cast<std::int64_t>(seeds->size());
-    field_.tiles_.resize(seeds->size());
-    for (const TileSeed& seed : *seeds) field_.keys_.push_back(seed.coordinates);
-
     const Progress filling = progress.part(0.1, 0.95, "distance");
-    const std::int64_t chunk = std::max<std::int64_t>(16 * kGrain, count / kReports);
-    for (std::int64_t from = 0; from < count; from += chunk) {
+    std::vector<BlockPhi> blocks(index(std::min(kChunk, count)));
+    for (std::int64_t from = 0; from < count; from += kChunk) {
       if (!filling.report(static_cast<double>(from) / static_cast<double>(count))) {
         return fail(ErrorCode::Cancelled, "Cancelled while distances were computed.");
       }
-      parallelFor(std::min(chunk, count - from), options_.threads, kGrain,
-                  [&](std::int64_t begin, std::int64_t end) {
-                    for (std::int64_t t = from + begin; t < from + end; ++t) {
-                      fill((*seeds)[static_cast<std::size_t>(t)],
-                           field_.tiles_[static_cast<std::size_t>(t)]);
-                    }
-                  });
+      const std::int64_t size = std::min(kChunk, count - from);
+      parallelFor(size, options_.threads, kGrain, [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t t = begin; t < end; ++t)
+          blocks[index(t)] = blockOf((*seeds)[index(from + t)]);
+      });
+      for (std::int64_t t = 0; t < size; ++t)
+        append((*seeds)[index(from + t)].coordinates, blocks[index(t)]);
     }
     if (surface_.closed()) {
-      field_.signRepairs_ = auditSigns(surface_, field_, field_.tiles_, options_.threads);
+      field_.signRepairs_ = auditSigns(surface_, field_, field_.phi_, options_.threads);
+      dropOutside();
     }
+    field_.phi_.shrink_to_fit();
+    field_.triangle_.shrink_to_fit();
     if (!progress.report(1)) return fail(ErrorCode::Cancelled, "Cancelled.");
     return std::move(field_);
   }
 
  private:
-  void fill(const TileSeed& seed, DistanceField::Tile& tile) const {
-    tile.coordinates = seed.coordinates;
-    Index carried = seed.triangle;
-    for (std::int32_t k = 0; k < kSize; ++k) {
-      for (std::int32_t row = 0; row < kSize; ++row) {
-        const std::int32_t j = k % 2 == 0 ? row : kSize - 1 - row;
-        for (std::int32_t column = 0; column < kSize; ++column) {
-          const std::int32_t i = (row + k * kSize) % 2 == 0 ? column : kSize - 1 - column;
-          const Vec3 x =
-              field_.position({seed.coordinates[0] * kSize + i, seed.coordinates[1] * kSize + j,
-                               seed.coordinates[2] * kSize + k});
-          const FootPoint foot = surface_.footFrom(x, carried);
-          carried = foot.triangle;
-          const std::size_t n = nodeInTile(i, j, k);
-          tile.phi[n] = foot.phi();
-          tile.triangle[n] = foot.beyondBorder ? kNone : foot.triangle;
+  BlockPhi blockOf(const TileSeed& seed) const {
+    const auto& [a, b, c] = seed.coordinates;
+    const double reach = std::max(std::abs(options_.bandMin), std::abs(options_.bandMax));
+    return surface_.phiOnBlock(field_.origin(), options_.spacing, {a * kSize, b * kSize, c * kSize},
+                               reach);
+  }
+
+  void append(const GridIndex& coordinates, const BlockPhi& block) {
+    DistanceField::Tile tile{coordinates, block.held,
+                             static_cast<std::int64_t>(field_.phi_.size())};
+    for (std::size_t n = 0; n < block.phi.size(); ++n) {
+      if ((block.held[n >> 6] >> (n & 63) & 1U) == 0) continue;
+      field_.phi_.push_back(block.phi[n]);
+      field_.triangle_.push_back(block.triangle[n]);
+    }
+    if (static_cast<std::int64_t>(field_.phi_.size()) > tile.first) field_.tiles_.push_back(tile);
+  }
+
+  /// Signs are final: what lies on the other side of a one-sided band goes.
+  void dropOutside() {
+    std::size_t kept = 0;
+    std::size_t slot = 0;
+    for (DistanceField::Tile& tile : field_.tiles_) {
+      tile.first = static_cast<std::int64_t>(kept);
+      for (std::uint64_t& word : tile.held) {
+        for (std::uint64_t left = word; left != 0; left &= left - 1, ++slot) {
+          const double phi = field_.phi_[slot];
+          if (phi < options_.bandMin || phi > options_.bandMax) {
+            word &= ~(left & (~left + 1));
+            continue;
+          }
+          field_.phi_[kept] = phi;
+          field_.triangle_[kept++] = field_.triangle_[slot];
         }
       }
     }
+    field_.phi_.resize(kept);
+    field_.triangle_.resize(kept);
+    std::erase_if(field_.tiles_, [](const DistanceField::Tile& tile) {
+      return std::all_of(tile.held.begin(), tile.held.end(), [](auto word) { return word == 0; });
+    });
   }
 
   const SurfaceDistance& surface_;
@@ -122,20 +139,28 @@ class FieldBuilder {
   DistanceField field_;
 };
 
+std::size_t DistanceField::memory() const {
+  return sizeof *this + tiles_.capacity() * sizeof(Tile) + phi_.capacity() * sizeof(double) +
+         triangle_.capacity() * sizeof(Index);
+}
+
 Index DistanceField::findTile(const GridIndex& tile) const {
-  const auto at = std::lower_bound(keys_.begin(), keys_.end(), tile);
-  return at == keys_.end() || *at != tile ? kNone : static_cast<Index>(at - keys_.begin());
+  const auto at =
+      std::lower_bound(tiles_.begin(), tiles_.end(), tile,
+                       [](const Tile& a, const GridIndex& b) { return a.coordinates < b; });
+  return at == tiles_.end() || at->coordinates != tile ? kNone
+                                                       : static_cast<Index>(at - tiles_.begin());
 }
 
 std::optional<double> DistanceField::phi(const GridIndex& node) const {
   // Arithmetic shift and mask: floor division, also for negative numbers (C++20).
   const Index number = findTile({node[0] >> kBits, node[1] >> kBits, node[2] >> kBits});
   if (number == kNone) return std::nullopt;
-  const Tile& tile = tiles_[static_cast<std::size_t>(number)];
-  const std::size_t n =
-      nodeInTile(node[0] & (kSize - 1), node[1] & (kSize - 1), node[2] & (kSize - 1));
-  if (tile.triangle[n] == kNone) return std::nullopt;
-  return tile.phi[n];
+  constexpr std::int32_t kMask = kSize - 1;
+  const std::int64_t slot = tiles_[index(number)].slot(
+      ((node[2] & kMask) * kSize + (node[1] & kMask)) * kSize + (node[0] & kMask));
+  if (slot < 0 || triangle_[index(slot)] == kNone) return std::nullopt;
+  return phi_[index(slot)];
 }
 
 std::optional<double> DistanceField::interpolate(const Vec3& x) const {

@@ -9,6 +9,8 @@
 #include "field/sign_audit.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 #include "base/parallel.h"
@@ -18,25 +20,28 @@ namespace phront {
 namespace {
 
 constexpr int kSize = DistanceField::kTileSize;
+constexpr int kBits = 3;             // kSize == 1 << kBits
 constexpr double kSlack = 1 + 1e-9;  // on h: feet are rounded
 constexpr std::int64_t kGrain = 16;  // tiles per task
 
 using Tile = DistanceField::Tile;
 
-std::size_t at(int i, int j, int k) {
-  return static_cast<std::size_t>((k * kSize + j) * kSize + i);
-}
-
 class Auditor {
  public:
-  Auditor(const SurfaceDistance& surface, const DistanceField& grid, std::vector<Tile>& tiles,
+  Auditor(const SurfaceDistance& surface, const DistanceField& field, std::vector<double>& phi,
           int threads)
-      : surface_(surface), grid_(grid), tiles_(tiles), threads_(threads) {
+      : surface_(surface),
+        field_(field),
+        tiles_(field.tiles()),
+        phi_(phi),
+        negative_(tiles_.size()),
+        threads_(threads) {
     // Inward oriented: the surface bounds a void in unbounded material, whose number is one more.
     threshold_ = signedVolume(surface.mesh()) >= 0 ? 0.5 : -0.5;
   }
 
   std::int64_t run() {
+    forAll([&](std::size_t t) { readSigns(t); });
     std::vector<char> suspect(tiles_.size(), 0);
     forAll([&](std::size_t t) { suspect[t] = !agreesWithWinding(t) || contradicts(t) ? 1 : 0; });
     std::vector<char> done(tiles_.size(), 0);
@@ -44,7 +49,7 @@ class Auditor {
     while (std::find(suspect.begin(), suspect.end(), 1) != suspect.end()) {
       forAll([&](std::size_t t) {
         if (suspect[t] == 0) return;
-        turned[t] = resign(tiles_[t]);
+        turned[t] = resign(t);
         done[t] = 1;
       });
       forAll([&](std::size_t t) { suspect[t] = done[t] == 0 && contradicts(t) ? 1 : 0; });
@@ -63,93 +68,134 @@ class Auditor {
                 });
   }
 
-  Vec3 position(const Tile& tile, std::size_t n) const {
-    const auto number = static_cast<int>(n);
-    return grid_.position({tile.coordinates[0] * kSize + number % kSize,
-                           tile.coordinates[1] * kSize + number / kSize % kSize,
-                           tile.coordinates[2] * kSize + number / (kSize * kSize)});
+  using Bits = std::array<std::uint64_t, 8>;  // as Tile::held
+
+  void readSigns(std::size_t t) {
+    Bits& bits = negative_[t];
+    bits = {};
+    forHeld(tiles_[t], [&](int n, double phi) {
+      if (phi < 0) bits[static_cast<std::size_t>(n >> 6)] |= std::uint64_t{1} << (n & 63);
+    });
   }
 
-  bool inMaterial(const Vec3& x) const { return surface_.windingNumber(x) > threshold_; }
+  /// visit(node, its phi) in the order of the slots.
+  template <class Visit>
+  void forHeld(const Tile& tile, const Visit& visit) const {
+    auto slot = static_cast<std::size_t>(tile.first);
+    for (int k = 0; k < kSize; ++k) {
+      for (std::uint64_t left = tile.held[static_cast<std::size_t>(k)]; left != 0;
+           left &= left - 1) {
+        visit(64 * k + std::countr_zero(left), phi_[slot++]);
+      }
+    }
+  }
+
+  bool inMaterial(const Vec3& x) const { return surface_.timesAround(x) > threshold_; }
 
   bool agreesWithWinding(std::size_t t) const {
     const Tile& tile = tiles_[t];
-    const auto farthest =
-        std::max_element(tile.phi.begin(), tile.phi.end(),
-                         [](double a, double b) { return std::abs(a) < std::abs(b); });
-    const auto n = static_cast<std::size_t>(farthest - tile.phi.begin());
-    return (*farthest < 0) == inMaterial(position(tile, n));
-  }
-
-  bool clash(double a, double b) const {
-    return (a < 0) != (b < 0) && std::abs(a - b) > grid_.spacing() * kSlack;
+    double farthest = 0;
+    int node = -1;
+    forHeld(tile, [&](int n, double phi) {
+      if (node >= 0 && std::abs(phi) <= std::abs(farthest)) return;
+      farthest = phi;
+      node = n;
+    });
+    return node < 0 || (farthest < 0) == inMaterial(field_.position(field_.node(tile, node)));
   }
 
   // Looks at all pairs inside the tile and at those across its six sides.
   bool contradicts(std::size_t t) const {
+    constexpr std::uint64_t kNotLastInRow = 0x7f7f7f7f7f7f7f7f;
+    constexpr std::uint64_t kNotLastRow = 0x00ffffffffffffff;
     const Tile& tile = tiles_[t];
-    for (int k = 0; k < kSize; ++k) {
-      for (int j = 0; j < kSize; ++j) {
-        for (int i = 0; i < kSize; ++i) {
-          const double phi = tile.phi[at(i, j, k)];
-          if (i + 1 < kSize && clash(phi, tile.phi[at(i + 1, j, k)])) return true;
-          if (j + 1 < kSize && clash(phi, tile.phi[at(i, j + 1, k)])) return true;
-          if (k + 1 < kSize && clash(phi, tile.phi[at(i, j, k + 1)])) return true;
-        }
+    const Bits& held = tile.held;
+    const Bits& negative = negative_[t];
+    for (std::size_t k = 0; k < held.size(); ++k) {
+      const auto node = static_cast<int>(64 * k);
+      const std::uint64_t h = held[k];
+      const std::uint64_t s = negative[k];
+      if (clash(tile, node, tile, node + 1, h & (h >> 1) & (s ^ (s >> 1)) & kNotLastInRow) ||
+          clash(tile, node, tile, node + 8, h & (h >> 8) & (s ^ (s >> 8)) & kNotLastRow)) {
+        return true;
+      }
+      if (k + 1 < held.size() &&
+          clash(tile, node, tile, node + 64, h & held[k + 1] & (s ^ negative[k + 1]))) {
+        return true;
       }
     }
-    for (int side = 0; side < 6; ++side) {
-      GridIndex next = tile.coordinates;
-      const auto axis = static_cast<std::size_t>(side / 2);
-      const bool up = side % 2 == 1;
-      next[axis] += up ? 1 : -1;
-      const Index other = grid_.findTile(next);
-      if (other == kNone) continue;
-      if (clashAcross(tile, tiles_[static_cast<std::size_t>(other)], side / 2, up)) return true;
-    }
-    return false;
-  }
-
-  bool clashAcross(const Tile& tile, const Tile& other, int axis, bool up) const {
-    for (int a = 0; a < kSize; ++a) {
-      for (int b = 0; b < kSize; ++b) {
-        std::array<int, 3> mine{a, b, 0};
-        std::swap(mine[2], mine[static_cast<std::size_t>(axis)]);
-        std::array<int, 3> theirs = mine;
-        mine[static_cast<std::size_t>(axis)] = up ? kSize - 1 : 0;
-        theirs[static_cast<std::size_t>(axis)] = up ? 0 : kSize - 1;
-        if (clash(tile.phi[at(mine[0], mine[1], mine[2])],
-                  other.phi[at(theirs[0], theirs[1], theirs[2])])) {
-          return true;
-        }
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const bool up : {false, true}) {
+        if (clashAcross(t, axis, up)) return true;
       }
     }
     return false;
   }
 
-  std::int64_t resign(Tile& tile) const {
+  bool clashAcross(std::size_t t, int axis, bool up) const {
+    GridIndex next = tiles_[t].coordinates;
+    next[static_cast<std::size_t>(axis)] += up ? 1 : -1;
+    const Index found = field_.findTile(next);
+    if (found == kNone) return false;
+    const auto o = static_cast<std::size_t>(found);
+    constexpr std::array<std::uint64_t, 3> kFirstLayer{0x0101010101010101, 0xff, ~0ULL};
+    const std::uint64_t layer = kFirstLayer[static_cast<std::size_t>(axis)];
+    const int shift = axis == 2 ? 0 : (kSize - 1) << (kBits * axis);  // from first layer to last
+    const int mine = up ? shift : 0;
+    const int theirs = shift - mine;
+    for (std::size_t k = 0; k < (axis == 2 ? 1U : 8U); ++k) {
+      const std::size_t a = axis == 2 && up ? kSize - 1 : k;
+      const std::size_t b = axis == 2 && !up ? kSize - 1 : k;
+      const std::uint64_t both = (tiles_[t].held[a] >> mine) & (tiles_[o].held[b] >> theirs);
+      const std::uint64_t opposite = (negative_[t][a] >> mine) ^ (negative_[o][b] >> theirs);
+      if (clash(tiles_[t], static_cast<int>(64 * a) + mine, tiles_[o],
+                static_cast<int>(64 * b) + theirs, both & opposite & layer)) {
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// Nodes of opposite sign, n from the first ones for each bit n, that are farther apart in phi
+  /// than one spacing?
+  bool clash(const Tile& a, int firstOfA, const Tile& b, int firstOfB,
+             std::uint64_t opposite) const {
+    for (; opposite != 0; opposite &= opposite - 1) {
+      const int n = std::countr_zero(opposite);
+      const double phiA = phi_[static_cast<std::size_t>(a.slot(firstOfA + n))];
+      const double phiB = phi_[static_cast<std::size_t>(b.slot(firstOfB + n))];
+      if (std::abs(phiA - phiB) > field_.spacing() * kSlack) return true;
+    }
+    return false;
+  }
+
+  std::int64_t resign(std::size_t t) {
     std::int64_t turned = 0;
-    for (std::size_t n = 0; n < tile.phi.size(); ++n) {
-      if (tile.phi[n] == 0) continue;
-      const double phi = std::abs(tile.phi[n]) * (inMaterial(position(tile, n)) ? -1 : 1);
-      turned += phi != tile.phi[n] ? 1 : 0;
-      tile.phi[n] = phi;
-    }
+    const Tile& tile = tiles_[t];
+    forHeld(tile, [&](int n, double& phi) {
+      if (phi == 0) return;
+      const double side = inMaterial(field_.position(field_.node(tile, n))) ? -1 : 1;
+      turned += side * phi < 0 ? 1 : 0;
+      phi = std::copysign(phi, side);
+    });
+    readSigns(t);
     return turned;
   }
 
   const SurfaceDistance& surface_;
-  const DistanceField& grid_;
-  std::vector<Tile>& tiles_;
+  const DistanceField& field_;
+  const std::vector<Tile>& tiles_;
+  std::vector<double>& phi_;
+  std::vector<Bits> negative_;
   int threads_;
   double threshold_ = 0.5;
 };
 
 }  // namespace
 
-std::int64_t auditSigns(const SurfaceDistance& surface, const DistanceField& grid,
-                        std::vector<DistanceField::Tile>& tiles, int threads) {
-  return Auditor(surface, grid, tiles, threads).run();
+std::int64_t auditSigns(const SurfaceDistance& surface, const DistanceField& field,
+                        std::vector<double>& phi, int threads) {
+  return Auditor(surface, field, phi, threads).run();
 }
 
 }  // namespace phront

@@ -20,6 +20,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "geom/block_query.h"
 #include "geom/bvh.h"
 #include "geom/closest_on_triangle.h"
 #include "geom/mesh_topology.h"
@@ -125,7 +126,7 @@ struct SurfaceDistance::Impl {
     Bvh tree;
     std::vector<Index> leaves;  // triangle ids in the order of the tree
   };
-  std::vector<SubTree> faceTrees;  // one per face id
+  std::vector<SubTree> faceTrees;  // one per face id; a single face has none
 
   /// A connected piece of the mesh: with SignRule::Union only.
   struct Part {
@@ -172,7 +173,7 @@ struct SurfaceDistance::Impl {
   FootPoint footOn(const SubTree& sub, const Vec3& x, double reach) const;
   bool leansOver(const Vec3& gap, Index side) const;
   bool beyond(const Vec3& x, const FootPoint& foot) const;
-  double windingNumber(const Vec3& x) const { return winding.at(x, bvh, leaves); }
+  int timesAround(const Vec3& x) const { return winding.timesAround(x, bvh, leaves); }
 };
 
 SurfaceDistance::Impl::Impl(TriMesh input, SignRule rule)
@@ -208,11 +209,16 @@ void SurfaceDistance::Impl::buildTrees(const TriangleBoxes& cover) {
   }
   winding = WindingTree(bvh, leaves);
 
-  all.resize(cover.boxes.size());
-  std::iota(all.begin(), all.end(), Index{0});
-  nearTree = Bvh(cover.boxes, all);
-  for (const Index piece : nearTree.order())
-    nearLeaves.push_back(triangle(cover.triangle[size(piece)]));
+  if (cover.boxes.size() == count) {  // no triangle is in pieces
+    nearTree = bvh;
+    nearLeaves = leaves;
+  } else {
+    all.resize(cover.boxes.size());
+    std::iota(all.begin(), all.end(), Index{0});
+    nearTree = Bvh(cover.boxes, all);
+    for (const Index piece : nearTree.order())
+      nearLeaves.push_back(triangle(cover.triangle[size(piece)]));
+  }
   buildFaceTrees(cover);
 }
 
@@ -221,6 +227,7 @@ void SurfaceDistance::Impl::buildFaceTrees(const TriangleBoxes& cover) {
     faceIds.push_back(mesh.face(static_cast<Index>(t)));
   std::sort(faceIds.begin(), faceIds.end());
   faceIds.erase(std::unique(faceIds.begin(), faceIds.end()), faceIds.end());
+  if (faceIds.size() == 1) return;  // the tree of all triangles
   std::vector<std::vector<Index>> members(faceIds.size());
   for (std::size_t piece = 0; piece < cover.boxes.size(); ++piece) {
     const auto at =
@@ -360,7 +367,7 @@ double SurfaceDistance::Impl::sideOf(const Vec3& x, const FootPoint& foot) const
                            : foot.kind == FeatureKind::Edge ? sideBit(k)
                                                             : cornerBit(k);
   if (closed && (untrusted[size(foot.triangle)] & bit) != 0) {
-    return windingNumber(x) > 0.5 ? -1 : 1;
+    return timesAround(x) > 0 ? -1 : 1;
   }
   return (x - foot.point).dot(pseudonormal(foot)) < 0 ? -1 : 1;
 }
@@ -454,10 +461,36 @@ FootPoint SurfaceDistance::footFrom(const Vec3& x, Index start) const {
   return s.finish(best, x);
 }
 
+BlockPhi SurfaceDistance::phiOnBlock(const Vec3& origin, double spacing,
+                                     const std::array<std::int32_t, 3>& first, double reach) const {
+  const Impl& s = *impl_;
+  static thread_local BlockQuery query;  // for its memory
+  const NodeBlock block{origin, spacing, first};
+  BlockPhi result;
+  query.run(s.nearTree, s.nearLeaves, block, reach,
+            [&](int node, std::span<const Index> candidates) {
+              const Vec3 x = block.position(node);
+              Impl::Best best;
+              for (const Index i : candidates) best.offer(s.nearLeaves[size(i)], x);
+              const FootPoint foot = s.finish(best, x);
+              if (!(foot.distance <= reach)) return;
+              result.held[size(node >> 6)] |= std::uint64_t{1} << (node & 63);
+              result.phi[size(node)] = foot.phi();
+              result.triangle[size(node)] = foot.beyondBorder ? kNone : foot.triangle;
+            });
+  return result;
+}
+
 FootPoint SurfaceDistance::footOnFace(const Vec3& x, Index face, double reach) const {
   const Impl& s = *impl_;
   const auto at = std::lower_bound(s.faceIds.begin(), s.faceIds.end(), face);
   if (at == s.faceIds.end() || *at != face) return {};
+  if (s.faceTrees.empty()) {
+    FootPoint found = foot(x, reach);
+    found.sign = 1;
+    found.beyondBorder = false;
+    return found;
+  }
   return s.footOn(s.faceTrees[static_cast<std::size_t>(at - s.faceIds.begin())], x, reach);
 }
 
@@ -511,7 +544,10 @@ Vec3 SurfaceDistance::gradient(const Vec3& x, const FootPoint& foot) const {
   return exact && direction.dot(normal) > 0.5 ? normal : direction;
 }
 
-double SurfaceDistance::windingNumber(const Vec3& x) const { return impl_->windingNumber(x); }
+double SurfaceDistance::windingNumber(const Vec3& x) const {
+  return impl_->winding.at(x, impl_->bvh, impl_->leaves);
+}
+int SurfaceDistance::timesAround(const Vec3& x) const { return impl_->timesAround(x); }
 
 SurfaceDistance::SurfaceDistance(std::unique_ptr<const Impl> impl) : impl_(std::move(impl)) {}
 SurfaceDistance::SurfaceDistance(SurfaceDistance&&) noexcept = default;

@@ -19,8 +19,14 @@ class WindingTree {
   /// Same Bvh and triangles as at construction.
   [[nodiscard]] double at(const Vec3& x, const Bvh& bvh,
                           std::span<const QueryTriangle> triangles) const;
+  /// at() of a closed mesh, rounded: the same whole number, several times sooner.
+  [[nodiscard]] int timesAround(const Vec3& x, const Bvh& bvh,
+                                std::span<const QueryTriangle> triangles) const;
 
  private:
+  double sum(const Vec3& x, const Bvh& bvh, std::span<const QueryTriangle> triangles,
+             double farField) const;
+
   struct Moment {
     Vec3 centre = Vec3::Zero();  ///< area-weighted
     double radius = 0;           ///< of the ball around it that holds the node's box

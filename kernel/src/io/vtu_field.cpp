@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <new>
 
 #include "io/vtu.h"
@@ -16,12 +17,6 @@ constexpr std::uint8_t kVtkHexahedron = 12;
 constexpr int kSize = DistanceField::kTileSize;
 
 int nodeInTile(int i, int j, int k) { return i + kSize * (j + kSize * k); }
-
-/// phi is meaningful where the node has a closest triangle.
-bool hasPhi(const DistanceField::Tile& tile, int node) {
-  const auto n = static_cast<std::size_t>(node);
-  return tile.triangle[n] != kNone && std::isfinite(tile.phi[n]);
-}
 
 /// Number of each node among those written, per tile; kNone for the others.
 using NodeNumbers = std::vector<std::array<Index, DistanceField::kNodesPerTile>>;
@@ -69,17 +64,15 @@ std::string formatField(const DistanceField& field) {
   for (std::size_t t = 0; t < field.tiles().size(); ++t) {
     const DistanceField::Tile& tile = field.tiles()[t];
     for (int node = 0; node < DistanceField::kNodesPerTile; ++node) {
-      const auto n = static_cast<std::size_t>(node);
-      numbers[t][n] = kNone;
-      if (!hasPhi(tile, node)) continue;
-      numbers[t][n] = static_cast<Index>(phi.size());
-      const auto& c = tile.coordinates;
-      const Vec3 p =
-          field.position({c[0] * kSize + node % kSize, c[1] * kSize + node / kSize % kSize,
-                          c[2] * kSize + node / (kSize * kSize)});
+      Index& number = numbers[t][static_cast<std::size_t>(node)];
+      number = kNone;
+      const std::int64_t slot = tile.slot(node);
+      if (slot < 0 || field.triangles()[static_cast<std::size_t>(slot)] == kNone) continue;
+      number = static_cast<Index>(phi.size());
+      const Vec3 p = field.position(field.node(tile, node));
       coordinates.insert(coordinates.end(), {p.x(), p.y(), p.z()});
-      phi.push_back(tile.phi[n]);
-      triangle.push_back(tile.triangle[n]);
+      phi.push_back(field.values()[static_cast<std::size_t>(slot)]);
+      triangle.push_back(field.triangles()[static_cast<std::size_t>(slot)]);
     }
   }
   io::Cells cells{.connectivity = {}, .type = kVtkHexahedron, .corners = 8};
