@@ -10,7 +10,8 @@ buildRelease thesis phront_picture
 
 cases=("$@")
 if ((${#cases[@]} == 0)); then
-  cases=(point_in_square sphere cube loops cascade heat_exchanger corner circle_inward cube_inward)
+  cases=(point_in_square sphere cube loops cascade heat_exchanger corner circle_inward cube_inward
+    carotid)
 fi
 for case in "${cases[@]}"; do
   folder="samples/out/thesis/$case"
