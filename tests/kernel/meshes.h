@@ -64,13 +64,8 @@ inline TriMesh lShape() {
                {{0, 1, 3}, {1, 2, 3}, {0, 3, 5}, {3, 4, 5}}, 0, 1);
 }
 
-/// Octahedron with every triangle cut in four `levels` times, points on the sphere. One face.
-inline TriMesh sphere(double radius, int levels, const Vec3& centre = Vec3::Zero()) {
-  TriMesh mesh;
-  mesh.points = {Vec3(1, 0, 0),  Vec3(-1, 0, 0), Vec3(0, 1, 0),
-                 Vec3(0, -1, 0), Vec3(0, 0, 1),  Vec3(0, 0, -1)};
-  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
-                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+/// Every triangle of a mesh of the unit sphere cut in four, `levels` times; points stay on it.
+inline void refineUnitSphere(TriMesh& mesh, int levels) {
   for (int level = 0; level < levels; ++level) {
     std::map<std::pair<Index, Index>, Index> middles;
     auto middle = [&](Index a, Index b) {
@@ -95,7 +90,38 @@ inline TriMesh sphere(double radius, int levels, const Vec3& centre = Vec3::Zero
     }
     mesh.triangles = std::move(finer);
   }
+}
+
+/// Octahedron with every triangle cut in four `levels` times, points on the sphere. One face.
+inline TriMesh sphere(double radius, int levels, const Vec3& centre = Vec3::Zero()) {
+  TriMesh mesh;
+  mesh.points = {Vec3(1, 0, 0),  Vec3(-1, 0, 0), Vec3(0, 1, 0),
+                 Vec3(0, -1, 0), Vec3(0, 0, 1),  Vec3(0, 0, -1)};
+  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  refineUnitSphere(mesh, levels);
   for (Vec3& p : mesh.points) p = centre + radius * p;
+  mesh.faceOf.assign(mesh.triangles.size(), 0);
+  return mesh;
+}
+
+/// The same from the icosahedron, 20 * 4^levels triangles of nearly one shape; radius 1. One face.
+inline TriMesh icosphere(int levels) {
+  TriMesh mesh;
+  const double g = std::numbers::phi;
+  // Three golden rectangles, one in each coordinate plane.
+  for (const double a : {1.0, -1.0}) {
+    for (const double b : {g, -g}) {
+      mesh.points.push_back(Vec3(0, a, b).normalized());
+      mesh.points.push_back(Vec3(a, b, 0).normalized());
+      mesh.points.push_back(Vec3(b, 0, a).normalized());
+    }
+  }
+  mesh.triangles = {{0, 2, 1},  {0, 1, 7},  {0, 6, 2},  {0, 5, 6},   {0, 7, 5},
+                    {1, 2, 8},  {1, 3, 7},  {1, 8, 3},  {2, 6, 4},   {2, 4, 8},
+                    {3, 11, 7}, {3, 8, 9},  {3, 9, 11}, {4, 6, 10},  {4, 9, 8},
+                    {4, 10, 9}, {5, 10, 6}, {5, 7, 11}, {5, 11, 10}, {9, 10, 11}};
+  refineUnitSphere(mesh, levels);
   mesh.faceOf.assign(mesh.triangles.size(), 0);
   return mesh;
 }
