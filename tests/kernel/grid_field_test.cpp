@@ -63,6 +63,25 @@ TEST(GridField, SweptAgreesWithExactInSpace) {
   EXPECT_LT(worst, grid.spacing);
 }
 
+// Numbers of nodes that blocks of eight do not divide; a closed shape and an open one.
+TEST(GridField, ExactIsTheQueryAtEveryNode) {
+  for (const TriMesh& mesh : {test::torus(0.7, 0.3, 40, 20), test::sheet(3)}) {
+    const auto surface = SurfaceDistance::build(mesh);
+    ASSERT_TRUE(surface);
+    const NodeGrid grid{{19, 24, 9}, 0.12, Vec3(-1.05, -1.3, -0.6)};
+    const auto exact = solveGridField(grid, *surface, {.threads = 2});
+    ASSERT_TRUE(exact);
+    for (std::int32_t k = 0, n = 0; k < grid.nodes[2]; ++k) {
+      for (std::int32_t j = 0; j < grid.nodes[1]; ++j) {
+        for (std::int32_t i = 0; i < grid.nodes[0]; ++i, ++n) {
+          EXPECT_EQ(exact->phi[static_cast<std::size_t>(n)],
+                    surface->signedDistance(grid.position(i, j, k)));
+        }
+      }
+    }
+  }
+}
+
 TEST(GridField, RefusesBadInput) {
   const CurveDistance curves = ring();
   EXPECT_FALSE(solveGridField({{5, 5, 5}, 1, Vec3::Zero()}, curves));

@@ -1,6 +1,6 @@
-// Exact: one query per node. Godunov: queries bounded to the seeds' reach, a sweep of the
-// magnitudes, and signs that flood the nodes between: both ends of a grid edge whose one end is no
-// seed are farther from the geometry than the edge is long.
+// Exact: a query per node, in space for blocks of nodes at once. Godunov: queries bounded to the
+// seeds' reach, a sweep of the magnitudes, and signs that flood the nodes between: both ends of a
+// grid edge whose one end is no seed are farther from the geometry than the edge is long.
 #include "phront/grid_field.h"
 
 #include <algorithm>
@@ -16,32 +16,71 @@ namespace phront {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::int64_t kGrain = 256;  // nodes per task
+constexpr std::int64_t kGrain = 256;     // nodes per task
+constexpr std::int64_t kBlockGrain = 4;  // blocks of nodes per task
 constexpr std::int64_t kReports = 50;
 
-/// Exact signed distance at the nodes nearer than `reach`, infinity elsewhere. The geometry's foot
-/// is `footOf(x, reach)`.
-template <class FootOf>
-Result<std::vector<double>> exactValues(const NodeGrid& grid, const FootOf& footOf, double reach,
-                                        int threads, const Progress& progress) {
-  const std::int64_t count = grid.nodeCount();
-  std::vector<double> phi(static_cast<std::size_t>(count));
-  const std::int64_t chunk = std::max<std::int64_t>(16 * kGrain, count / kReports);
+/// Signed distance at the nodes not farther than `reach`, infinity elsewhere.
+using Values = Result<std::vector<double>>;
+
+/// work(begin, end) over `count` pieces, side by side. Cancelled or not.
+template <class Work>
+Result<void> forPieces(std::int64_t count, std::int64_t grain, int threads,
+                       const Progress& progress, const Work& work) {
+  const std::int64_t chunk = std::max<std::int64_t>(16 * grain, count / kReports);
   for (std::int64_t from = 0; from < count; from += chunk) {
     if (!progress.report(static_cast<double>(from) / static_cast<double>(count))) {
       return fail(ErrorCode::Cancelled, "Cancelled while distances were computed.");
     }
-    parallelFor(std::min(chunk, count - from), threads, kGrain,
-                [&](std::int64_t begin, std::int64_t end) {
-                  for (std::int64_t n = from + begin; n < from + end; ++n) {
-                    const std::int64_t row = n / grid.nodes[0];
-                    const Vec3 x = grid.position(static_cast<std::int32_t>(n % grid.nodes[0]),
-                                                 static_cast<std::int32_t>(row % grid.nodes[1]),
-                                                 static_cast<std::int32_t>(row / grid.nodes[1]));
-                    phi[static_cast<std::size_t>(n)] = footOf(x, reach).phi();
-                  }
-                });
+    parallelFor(std::min(chunk, count - from), threads, grain,
+                [&](std::int64_t begin, std::int64_t end) { work(from + begin, from + end); });
   }
+  return {};
+}
+
+Values exactValues(const NodeGrid& grid, const CurveDistance& curves, double reach, int threads,
+                   const Progress& progress) {
+  std::vector<double> phi(static_cast<std::size_t>(grid.nodeCount()));
+  const auto done = forPieces(
+      grid.nodeCount(), kGrain, threads, progress, [&](std::int64_t begin, std::int64_t end) {
+        for (std::int64_t n = begin; n < end; ++n) {
+          const Vec3 x = grid.position(static_cast<std::int32_t>(n % grid.nodes[0]),
+                                       static_cast<std::int32_t>(n / grid.nodes[0]));
+          phi[static_cast<std::size_t>(n)] = curves.foot(x.head<2>(), reach).phi();
+        }
+      });
+  if (!done) return tl::unexpected(done.error());
+  return phi;
+}
+
+Values exactValues(const NodeGrid& grid, const SurfaceDistance& surface, double reach, int threads,
+                   const Progress& progress) {
+  constexpr std::int32_t kSize = 8;
+  std::vector<double> phi(static_cast<std::size_t>(grid.nodeCount()), kInfinity);
+  std::array<std::int64_t, 3> blocks{};
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    blocks[axis] = (grid.nodes[axis] + kSize - 1) / kSize;
+  const auto fill = [&](std::int64_t block) {
+    const std::array<std::int32_t, 3> first{
+        static_cast<std::int32_t>(block % blocks[0]) * kSize,
+        static_cast<std::int32_t>(block / blocks[0] % blocks[1]) * kSize,
+        static_cast<std::int32_t>(block / blocks[0] / blocks[1]) * kSize};
+    const BlockPhi found = surface.phiOnBlock(grid.origin, grid.spacing, first, reach);
+    for (std::int32_t n = 0; n < kSize * kSize * kSize; ++n) {
+      const auto at = static_cast<std::size_t>(n);
+      if ((found.held[at >> 6] >> (at & 63) & 1U) == 0) continue;
+      const std::int32_t i = first[0] + (n & 7);
+      const std::int32_t j = first[1] + (n >> 3 & 7);
+      const std::int32_t k = first[2] + (n >> 6);
+      if (i >= grid.nodes[0] || j >= grid.nodes[1] || k >= grid.nodes[2]) continue;
+      phi[static_cast<std::size_t>(grid.number(i, j, k))] = found.phi[at];
+    }
+  };
+  const auto done = forPieces(blocks[0] * blocks[1] * blocks[2], kBlockGrain, threads, progress,
+                              [&](std::int64_t begin, std::int64_t end) {
+                                for (std::int64_t b = begin; b < end; ++b) fill(b);
+                              });
+  if (!done) return tl::unexpected(done.error());
   return phi;
 }
 
@@ -73,8 +112,8 @@ void spreadSigns(const NodeGrid& grid, const std::vector<double>& exact, std::ve
   }
 }
 
-template <class FootOf>
-Result<GridField> solve(const NodeGrid& grid, const FootOf& footOf, bool closed,
+template <class Geometry>
+Result<GridField> solve(const NodeGrid& grid, const Geometry& geometry,
                         const GridFieldOptions& options, const Progress& progress) {
   if (auto ok = checkGrid(grid); !ok) return tl::unexpected(ok.error());
   if (options.threads < 0) {
@@ -83,7 +122,7 @@ Result<GridField> solve(const NodeGrid& grid, const FootOf& footOf, bool closed,
   }
   GridField field;
   if (options.solver == FieldSolver::Exact) {
-    auto phi = exactValues(grid, footOf, kInfinity, options.threads, progress);
+    auto phi = exactValues(grid, geometry, kInfinity, options.threads, progress);
     if (!phi) return tl::unexpected(phi.error());
     field.phi = std::move(*phi);
     return field;
@@ -91,7 +130,7 @@ Result<GridField> solve(const NodeGrid& grid, const FootOf& footOf, bool closed,
   const double cell = std::sqrt(grid.planar() ? 2.0 : 3.0) * grid.spacing;
   const double reach = options.order == EikonalOrder::First ? cell : cell + grid.spacing;
   const auto exact =
-      exactValues(grid, footOf, reach, options.threads, progress.part(0, 0.5, "seed"));
+      exactValues(grid, geometry, reach, options.threads, progress.part(0, 0.5, "seed"));
   if (!exact) return tl::unexpected(exact.error());
   std::vector<double> known;
   known.reserve(exact->size());
@@ -108,12 +147,12 @@ Result<GridField> solve(const NodeGrid& grid, const FootOf& footOf, bool closed,
   for (std::size_t n = 0; n < exact->size(); ++n) {
     if (field.seed[n]) field.phi[n] = (*exact)[n];
   }
-  if (closed) {
+  if (geometry.closed()) {
     spreadSigns(grid, *exact, field.phi);
     return field;
   }
   // Beyond the border of open geometry the sign jumps between nodes: each is asked for.
-  const auto sided = exactValues(grid, footOf, kInfinity, options.threads, {});
+  const auto sided = exactValues(grid, geometry, kInfinity, options.threads, {});
   if (!sided) return tl::unexpected(sided.error());
   for (std::size_t n = 0; n < sided->size(); ++n) {
     field.phi[n] = std::copysign(field.phi[n], (*sided)[n]);
@@ -128,8 +167,7 @@ Result<GridField> solveGridField(const NodeGrid& grid, const CurveDistance& curv
   if (!grid.planar()) {
     return fail(ErrorCode::InvalidArgument, "Curves need a grid in the plane.", "nodes");
   }
-  const auto foot = [&](const Vec3& x, double reach) { return curves.foot(x.head<2>(), reach); };
-  return solve(grid, foot, curves.closed(), options, progress);
+  return solve(grid, curves, options, progress);
 }
 
 Result<GridField> solveGridField(const NodeGrid& grid, const SurfaceDistance& surface,
@@ -137,8 +175,7 @@ Result<GridField> solveGridField(const NodeGrid& grid, const SurfaceDistance& su
   if (grid.planar()) {
     return fail(ErrorCode::InvalidArgument, "Surfaces need a grid in space.", "nodes");
   }
-  const auto foot = [&](const Vec3& x, double reach) { return surface.foot(x, reach); };
-  return solve(grid, foot, surface.closed(), options, progress);
+  return solve(grid, surface, options, progress);
 }
 
 }  // namespace phront
