@@ -23,7 +23,7 @@ struct FieldArguments {
   std::filesystem::path out;
   std::string spacing;
   std::string band;
-  std::string solver = "carry";
+  std::string solver = "exact";
   CommonOptions common;
 };
 
@@ -58,6 +58,7 @@ int runField(const FieldArguments& arguments) {
   const Result<SurfaceDistance> surface = SurfaceDistance::build(std::move(*mesh));
   if (!surface) return reportError(surface.error());
   FieldOptions options;
+  if (arguments.solver == "godunov") options.solver = FieldSolver::Godunov;
   options.spacing = *spacing;
   options.bandMin = -band;
   options.bandMax = band;
@@ -88,8 +89,12 @@ void addFieldCommand(CLI::App& app, int& exitCode) {
   command->add_option("-o,--output", arguments->out, "Output .vtu")->required();
   command->add_option("--spacing", arguments->spacing, "Grid spacing h")->required();
   command->add_option("--band", arguments->band, "Half width of the band; default 3 h");
-  command->add_option("--solver", arguments->solver, "carry: exact closest feature")
-      ->check(CLI::IsMember({"carry"}));
+  command
+      ->add_option(
+          "--solver", arguments->solver,
+          "exact: closest triangle of every node; godunov: fast sweeping from exact values "
+          "near the surface, first order")
+      ->check(CLI::IsMember({"exact", "godunov"}));
   addCommonOptions(*command, arguments->common);
   command->callback([arguments, &exitCode] { exitCode = runField(*arguments); });
 }

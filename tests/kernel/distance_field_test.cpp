@@ -195,6 +195,50 @@ TEST(DistanceField, RepairsSignsWhereTheSurfaceIntersectsItself) {
   });
 }
 
+// First order on sparse tiles, both sides and far from the surface on one, against exact values.
+TEST(DistanceField, SweptBandsAreNearTheExactOnes) {
+  const double h = 0.04;
+  for (const TriMesh& mesh : {test::sphere(1, 4), test::lShape()}) {
+    const SurfaceDistance surface = built(mesh);
+    for (const auto& [low, high] : {std::pair{-0.3, 0.3}, {0.35, 0.5}, {-0.4, -0.2}}) {
+      FieldOptions options{.spacing = h, .bandMin = low, .bandMax = high};
+      options.solver = FieldSolver::Godunov;
+      const DistanceField swept = solved(surface, options);
+      EXPECT_EQ(swept.signRepairs(), 0);
+      int nodes = 0;
+      int exact = 0;
+      swept.forNodes([&](const GridIndex& node, double phi, Index triangle) {
+        const Vec3 x = swept.position(node);
+        const double truth = surface.signedDistance(x);
+        ++nodes;
+        EXPECT_TRUE(phi >= low && phi <= high);
+        EXPECT_NEAR(phi, truth, 2 * h);
+        EXPECT_EQ(phi < 0, truth < 0);
+        EXPECT_LT(surface.footOnTriangle(x, triangle).distance, std::abs(truth) + 6 * h);
+        if (std::abs(truth) <= std::sqrt(3.0) * h) {
+          EXPECT_NEAR(phi, truth, 1e-15);
+          ++exact;
+        }
+      });
+      EXPECT_GT(nodes, 10'000);
+      EXPECT_EQ(exact > 0, low < 0 && high > 0);
+      options.threads = 4;
+      const DistanceField again = solved(surface, options);
+      EXPECT_EQ(again.values(), swept.values());
+      EXPECT_EQ(again.triangles(), swept.triangles());
+    }
+  }
+}
+
+TEST(DistanceField, SweepingNeedsAClosedSurface) {
+  const SurfaceDistance surface = built(test::sheet(3));
+  FieldOptions options{.spacing = 0.1, .bandMin = -0.2, .bandMax = 0.2};
+  options.solver = FieldSolver::Godunov;
+  const auto field = solveDistanceField(surface, options);
+  ASSERT_FALSE(field);
+  EXPECT_EQ(field.error().where, "solver");
+}
+
 // Slots of a tile count its held nodes only.
 TEST(DistanceField, TakesTwelveBytesANode) {
   const SurfaceDistance surface = built(test::sphere(1, 4));

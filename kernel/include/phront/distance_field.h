@@ -16,8 +16,14 @@ namespace phront {
 /// Integer coordinates of a grid node or tile.
 using GridIndex = std::array<std::int32_t, 3>;
 
+enum class FieldSolver {
+  Exact,    ///< a proven query per node: error is round-off
+  Godunov,  ///< exact near the geometry, fast sweeping beyond: the scheme of the thesis
+};
+
 /// Which nodes a field must hold and how fine.
 struct FieldOptions {
+  FieldSolver solver = FieldSolver::Exact;
   double spacing = 0;  ///< h > 0, model units
   double bandMin = 0;  ///< nodes with bandMin <= phi <= bandMax are held
   double bandMax = 0;
@@ -108,10 +114,11 @@ class DistanceField {
   std::int64_t signRepairs_ = 0;
 };
 
-/// Exact signed distance (to the mesh) at all nodes with bandMin <= phi <= bandMax. Error:
-/// round-off. Signs by topology, audited. On open shells |phi| decides what the band holds, as the
-/// sign jumps beyond the border. Fails with InvalidArgument (h <= 0, band empty or NaN),
-/// ResourceLimit, Cancelled.
+/// Signed distance (to the mesh) at all nodes with bandMin <= phi <= bandMax. Exact: error is
+/// round-off. Godunov: exact nearer than a cell's diagonal, first order beyond; the triangle of a
+/// node is near the closest; closed surfaces only. Signs by topology, audited. On open shells |phi|
+/// decides what the band holds, as the sign jumps beyond the border. Fails with InvalidArgument
+/// (h <= 0, band empty or NaN), ResourceLimit, Cancelled, Failed.
 [[nodiscard]] Result<DistanceField> solveDistanceField(const SurfaceDistance& surface,
                                                        const FieldOptions& options,
                                                        const Progress& progress = {});

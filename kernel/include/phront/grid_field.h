@@ -4,17 +4,13 @@
 #include <vector>
 
 #include "phront/curve_distance.h"
+#include "phront/distance_field.h"
 #include "phront/eikonal.h"
 #include "phront/progress.h"
 #include "phront/status.h"
 #include "phront/surface_distance.h"
 
 namespace phront {
-
-enum class FieldSolver {
-  Exact,    ///< a proven query per node: error is round-off
-  Godunov,  ///< exact near the geometry, fast sweeping beyond: the scheme of the thesis
-};
 
 struct GridFieldOptions {
   FieldSolver solver = FieldSolver::Exact;

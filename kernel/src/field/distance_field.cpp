@@ -1,6 +1,6 @@
 // Exact signed distance on sparse tiles.
 //
-// Tiles come from an octree descent (tile_descent.h). The nodes of a tile get their closest
+// Tiles come from an octree descent (tile_descent.h). Exact: the nodes of a tile get their closest
 // triangles together (geom/block_query.h): proven, so that no node is ever wrong, and independent
 // of the order of tiles: same bits for any number of threads. The sign is that of the foot's
 // pseudonormal, audited (sign_audit.h).
@@ -13,6 +13,7 @@
 
 #include "base/parallel.h"
 #include "field/sign_audit.h"
+#include "field/swept_band.h"
 #include "field/tile_descent.h"
 
 namespace phront {
@@ -63,10 +64,25 @@ class FieldBuilder {
   Result<DistanceField> build(const Progress& progress) {
     const BandGrid grid{field_.origin_,   options_.spacing, options_.bandMin,
                         options_.bandMax, options_.threads, options_.maxNodes};
+    const auto filled = options_.solver == FieldSolver::Exact ? query(grid, progress.part(0, 0.95))
+                                                              : sweep(grid, progress.part(0, 0.95));
+    if (!filled) return tl::unexpected(filled.error());
+    if (surface_.closed()) {
+      field_.signRepairs_ = auditSigns(surface_, field_, field_.phi_, options_.threads);
+      dropOutside();
+    }
+    field_.phi_.shrink_to_fit();
+    field_.triangle_.shrink_to_fit();
+    if (!progress.report(1)) return fail(ErrorCode::Cancelled, "Cancelled.");
+    return std::move(field_);
+  }
+
+ private:
+  Result<void> query(const BandGrid& grid, const Progress& progress) {
     const auto seeds = tilesOfBand(surface_, grid, progress.part(0, 0.1, "tiles"));
     if (!seeds) return tl::unexpected(seeds.error());
     const auto count = static_cast<std::int64_t>(seeds->size());
-    const Progress filling = progress.part(0.1, 0.95, "distance");
+    const Progress filling = progress.part(0.1, 1, "distance");
     std::vector<BlockPhi> blocks(index(std::min(kChunk, count)));
     for (std::int64_t from = 0; from < count; from += kChunk) {
       if (!filling.report(static_cast<double>(from) / static_cast<double>(count))) {
@@ -80,17 +96,23 @@ class FieldBuilder {
       for (std::int64_t t = 0; t < size; ++t)
         append((*seeds)[index(from + t)].coordinates, blocks[index(t)]);
     }
-    if (surface_.closed()) {
-      field_.signRepairs_ = auditSigns(surface_, field_, field_.phi_, options_.threads);
-      dropOutside();
-    }
-    field_.phi_.shrink_to_fit();
-    field_.triangle_.shrink_to_fit();
-    if (!progress.report(1)) return fail(ErrorCode::Cancelled, "Cancelled.");
-    return std::move(field_);
+    return {};
   }
 
- private:
+  Result<void> sweep(const BandGrid& grid, const Progress& progress) {
+    if (!surface_.closed()) {
+      return fail(
+          ErrorCode::InvalidArgument,
+          "Sweeping needs a closed surface: beyond a border there is no sign to spread. Use "
+          "the exact solver.",
+          "solver");
+    }
+    const auto tiles = sweptBand(surface_, grid, progress);
+    if (!tiles) return tl::unexpected(tiles.error());
+    for (const SweptTile& tile : *tiles) append(tile.coordinates, tile.block);
+    return {};
+  }
+
   BlockPhi blockOf(const TileSeed& seed) const {
     const auto& [a, b, c] = seed.coordinates;
     const double reach = std::max(std::abs(options_.bandMin), std::abs(options_.bandMax));
