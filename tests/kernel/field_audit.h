@@ -51,7 +51,7 @@ inline FieldAudit auditField(const DistanceField& field, const std::vector<GridI
     const double error = std::abs(std::abs(phi) - distance);
     audit.largestError = std::max(audit.largestError, error);
     audit.wrongDistance += error <= tolerance ? 0 : 1;  // NaN counts as wrong
-    if (distance <= tolerance) continue;  // on the surface: no side
+    if (distance <= tolerance) continue;                // on the surface: no side
     const std::optional<bool> material = inMaterial(x);
     if (!material) continue;
     ++(*material ? audit.inside : audit.outside);
