@@ -159,8 +159,11 @@ TEST(AdvectPoints, RefusesBadInput) {
   const std::vector<Vec3> up{Vec3(0, 0, 1)};
   const std::vector<Vec3> zero{Vec3(0, 0, 0)};
   const std::vector<Vec3> nan{Vec3(0, 0, std::nan(""))};
+  const std::vector<Vec3> far{Vec3(1e200, 0, 0)};  // its square overflows
   for (const auto& result :
-       {advectPoints(surface, one, up, {.distance = 0}),
+       {advectPoints(surface, far, up, {.distance = 1}),
+        advectPoints(surface, one, up, {.distance = 1e200}),
+        advectPoints(surface, one, up, {.distance = 0}),
         advectPoints(surface, one, up, {.distance = std::nan("")}),
         advectPoints(surface, one, {}, {.distance = 1}),
         advectPoints(surface, one, zero, {.distance = 1}),

@@ -22,15 +22,16 @@ struct AdvectOptions {
 };
 
 struct AdvectResult {
-  std::vector<Vec3> points;  ///< one per start point, same order
+  std::vector<Vec3> points;             ///< one per start point, same order
   std::vector<AdvectStatus> status;
-  std::vector<double> travelled;  ///< |phi| reached, model units
+  std::vector<double> travelled;        ///< |phi| reached, model units
 };
 
 /// Moves each point of the surface (start, with its unit normal towards phi > 0) straight along its
-/// normal until phi = d; exact direction (foot points, no grid). Stops where the foot point
-/// changes, i.e. at the medial axis, found by bisection to 1e-12 of |d|. Fails with InvalidArgument
-/// (sizes differ, d = 0 or NaN), Cancelled.
+/// normal until phi = d; exact direction (foot points, no grid). Stops where the foot point changes,
+/// i.e. at the medial axis, found by bisection to 1e-12 of |d|; on curved faces, where facets of the
+/// same smooth face compete, the loss of distance that their turn explains is forgiven.
+/// Fails with InvalidArgument (sizes differ; d = 0; NaN or beyond 1e150), Cancelled.
 [[nodiscard]] Result<AdvectResult> advectPoints(const SurfaceDistance& surface,
                                                 std::span<const Vec3> start,
                                                 std::span<const Vec3> normals,

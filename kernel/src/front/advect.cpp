@@ -6,10 +6,12 @@
 // That loss, (distance walked) - (distance to the surface), is zero before the medial axis and
 // never shrinks behind it, as phi is 1-Lipschitz; so the axis is found by bisection, with exact
 // distances. In a corner that the front shrinks into (a box inwards) |phi| grows at a smaller rate
-// from the start; nodes of the mesh walk on at that rate, which ends in the mitre of planes. Weak
-// spots: on a tessellated curved face the nearest facet is not exactly the start's, so a loss that
-// the turn of the normals around the start explains is forgiven; without labels a true edge that
-// turns by less than kSmoothTurn counts as tessellation, and its fronts pass one another.
+// from the start; nodes of the mesh walk on at that rate, which ends in the mitre of planes. On a
+// tessellated curved face the nearest facet is not exactly the start's: a loss that the turn of the
+// normals around the start explains is forgiven while the foot lies on facets that continue the
+// start's smoothly. Weak spots: an edge that turns by less than kSmoothTurn counts as tessellation,
+// and its fronts pass one another; curved walls that fillets join to the wall they meet miss the
+// medial axis by what is forgiven.
 #include "phront/advect.h"
 
 #include <fmt/format.h>
@@ -28,9 +30,11 @@ constexpr double kBisection = 1e-12;     // of the way: the promise of the heade
 constexpr double kForgivenShare = 0.01;  // of a forgiven loss: locating it better tells nothing
 constexpr double kRoundOff = 32;     // ulps of the largest coordinate: a foot, a step, a difference
 constexpr double kSmoothTurn = 0.4;  // rad: tessellations turn by 0.35 at most between facets
+const double kSmoothBend = 1 - std::cos(kSmoothTurn);
 constexpr double kTessellationLoss = 2;  // facets elsewhere may be twice as coarse as at the start
 constexpr double kProbe = 1e-3;          // of the distance: where a corner's rate is measured
 constexpr double kLeastRate = 0.05;      // below, the node could walk 20 times the distance
+constexpr double kFarthest = 1e150;      // beyond, squares of lengths overflow and no foot is found
 constexpr int kNewtonSteps = 3;          // phi is linear along the path but for facets
 constexpr std::int64_t kGrain = 256;     // points per task: about 1 ms
 constexpr std::int64_t kReports = 50;    // chunks between two looks at the progress handle
@@ -44,7 +48,10 @@ struct Landing {
 class Walker {
  public:
   Walker(const SurfaceDistance& surface, double distance)
-      : surface_(surface), rings_(pointRings(surface.mesh())), distance_(distance) {
+      : surface_(surface),
+        rings_(pointRings(surface.mesh())),
+        regionOf_(smoothRegions()),
+        distance_(distance) {
     const double largest =
         surface.box().min().cwiseAbs().cwiseMax(surface.box().max().cwiseAbs()).maxCoeff();
     roundOff_ = kRoundOff * std::numeric_limits<double>::epsilon() * (largest + std::abs(distance));
@@ -62,27 +69,32 @@ class Walker {
     if (rate < kLeastRate) return landing;
 
     const double way = std::abs(distance_) / rate;
-    const double forgiven =
-        std::max(roundOff_, kBisection * way) + home.distance + kTessellationLoss * way * bend;
-    auto lossAt = [&](double s, FootPoint& foot) {
-      foot = surface_.footFrom(start + s * along, home.triangle);
-      return rate * s - foot.distance;
+    const double tight = std::max(roundOff_, kBisection * way) + home.distance;
+    const double forgiven = tight + kTessellationLoss * way * bend;
+    auto stepAt = [&](double s) {
+      Step step{surface_.footFrom(start + s * along, home.triangle), tight, true};
+      const double loss = rate * s - step.foot.distance;
+      if (loss > tight && joinedSmoothly(home, step.foot)) step.forgiven = forgiven;
+      step.arrives = loss <= step.forgiven;
+      return step;
     };
-    FootPoint foot;
-    if (lossAt(way, foot) <= forgiven) return arrive(start, along, way, foot);
+    Step last = stepAt(way);
+    if (last.arrives) return arrive(start, along, way, last.foot);
 
     double low = 0;
     double high = way;
-    const double sharp = std::max(kBisection * std::abs(distance_), kForgivenShare * forgiven);
-    while (high - low > sharp) {
+    while (high - low >
+           std::max(kBisection * std::abs(distance_), kForgivenShare * last.forgiven)) {
       const double middle = (low + high) / 2;
       if (middle <= low || middle >= high) break;
-      (lossAt(middle, foot) <= forgiven ? low : high) = middle;
+      const Step step = stepAt(middle);
+      (step.arrives ? low : high) = middle;
+      if (!step.arrives) last = step;
     }
     // The forgiven loss was used up behind the axis, at the rate found there: step back by it.
-    (void)lossAt(high, foot);
+    const FootPoint& foot = last.foot;
     const double behind = along.dot(surface_.gradient(start + high * along, foot)) * foot.sign;
-    const double overshoot = (forgiven - home.distance) / std::max(rate - behind, kLeastRate);
+    const double overshoot = (last.forgiven - home.distance) / std::max(rate - behind, kLeastRate);
     const double stop = std::max(0.0, low - overshoot);
     landing.point = start + stop * along;
     landing.travelled = surface_.footFrom(landing.point, home.triangle).distance;
@@ -106,6 +118,12 @@ class Walker {
   }
 
  private:
+  struct Step {
+    FootPoint foot;
+    double forgiven = 0;   // of the loss so far
+    bool arrives = false;  // the loss is no more than that
+  };
+
   Vec3 faceNormal(Index triangle) const {
     FootPoint at;
     at.distance = 0;
@@ -113,20 +131,66 @@ class Walker {
     return surface_.gradient(at.point, at);
   }
 
+  // 1 - cos of the angle between two unit normals.
+  static double bendOf(const Vec3& a, const Vec3& b) { return (a - b).squaredNorm() / 2; }
+
+  // Region of each triangle: facets that are joined over edges which turn by less than kSmoothTurn.
+  std::vector<Index> smoothRegions() const {
+    const TriMesh& mesh = surface_.mesh();
+    DisjointSets sets(mesh.triangles.size());
+    const MeshEdges edges = meshEdges(mesh);
+    for (const MeshEdge& edge : edges.edges) {
+      const auto sides = edges.sidesOf(edge);
+      for (const Index side : sides.subspan(1)) {
+        const double bend = bendOf(faceNormal(sides[0] / 3), faceNormal(side / 3));
+        if (bend < kSmoothBend) sets.unite(sides[0] / 3, side / 3);
+      }
+    }
+    std::vector<Index> region;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      region.push_back(sets.find(static_cast<Index>(t)));
+    }
+    return region;
+  }
+
+  // The triangles that hold a foot: several on an edge or in a point.
+  std::vector<Index> trianglesAt(const FootPoint& foot) const {
+    if (foot.kind == FeatureKind::Face) return {foot.triangle};
+    const auto& corners = surface_.mesh().triangles[static_cast<std::size_t>(foot.triangle)];
+    const auto ring = rings_.of(corners[static_cast<std::size_t>(foot.corner)]);
+    std::vector<Index> found(ring.begin(), ring.end());
+    if (foot.kind == FeatureKind::Vertex) return found;
+    const Index end = corners[static_cast<std::size_t>((foot.corner + 1) % 3)];
+    std::erase_if(found, [&](Index t) {
+      const auto& other = surface_.mesh().triangles[static_cast<std::size_t>(t)];
+      return std::find(other.begin(), other.end(), end) == other.end();
+    });
+    return found;
+  }
+
+  bool joinedSmoothly(const FootPoint& a, const FootPoint& b) const {
+    const auto region = [&](Index t) { return regionOf_[static_cast<std::size_t>(t)]; };
+    for (const Index t : trianglesAt(a)) {
+      for (const Index u : trianglesAt(b)) {
+        if (region(t) == region(u)) return true;
+      }
+    }
+    return false;
+  }
+
   // 1 - cos of the largest angle between `direction` and the facets around the start that continue
   // its face smoothly: what a unit of way may lose by tessellation alone.
   double normalsBend(const FootPoint& home, const Vec3& direction) const {
     const TriMesh& mesh = surface_.mesh();
     const Vec3 own = faceNormal(home.triangle);
-    const double widest = 1 - std::cos(kSmoothTurn);
-    auto bend = [](const Vec3& a, const Vec3& b) { return (a - b).squaredNorm() / 2; };
     double most = 0;
     for (const Index point : mesh.triangles[static_cast<std::size_t>(home.triangle)]) {
       for (const Index t : rings_.of(point)) {
         const Vec3 normal = faceNormal(t);
         const bool smooth = mesh.face(t) == mesh.face(home.triangle) &&
-                            bend(normal, own) < widest && bend(normal, direction) < widest;
-        if (smooth) most = std::max(most, bend(normal, direction));
+                            bendOf(normal, own) < kSmoothBend &&
+                            bendOf(normal, direction) < kSmoothBend;
+        if (smooth) most = std::max(most, bendOf(normal, direction));
       }
     }
     return most;
@@ -158,16 +222,17 @@ class Walker {
 
   const SurfaceDistance& surface_;
   PointRings rings_;
+  std::vector<Index> regionOf_;  // per triangle
   double distance_;
   double roundOff_ = 0;
 };
 
 Result<void> checkOptions(const AdvectOptions& options) {
-  if (!std::isfinite(options.distance) || options.distance == 0) {
-    return fail(
-        ErrorCode::InvalidArgument,
-        fmt::format("The distance must be finite and not zero, not {:g}.", options.distance),
-        "distance");
+  if (!(std::abs(options.distance) < kFarthest) || options.distance == 0) {
+    return fail(ErrorCode::InvalidArgument,
+                fmt::format("The distance must be finite, below {:g} and not zero, not {:g}.",
+                            kFarthest, options.distance),
+                "distance");
   }
   if (options.threads < 0) {
     return fail(ErrorCode::InvalidArgument, "The number of threads must not be negative.",
@@ -216,11 +281,13 @@ Result<AdvectResult> advectPoints(const SurfaceDistance& surface, std::span<cons
         fmt::format("{} start points need as many normals, not {}.", start.size(), normals.size()));
   }
   for (std::size_t i = 0; i < start.size(); ++i) {
-    if (start[i].allFinite() && normals[i].allFinite() && normals[i].norm() > 0) continue;
-    return fail(
-        ErrorCode::InvalidArgument,
-        fmt::format("Start point {} or its normal is not finite, or the normal is zero.", i),
-        fmt::format("point {}", i));
+    const bool near = start[i].allFinite() && start[i].cwiseAbs().maxCoeff() < kFarthest;
+    if (near && normals[i].allFinite() && normals[i].norm() > 0) continue;
+    return fail(ErrorCode::InvalidArgument,
+                fmt::format("Start point {} or its normal is not finite, the point is farther off "
+                            "than {:g}, or the normal is zero.",
+                            i, kFarthest),
+                fmt::format("point {}", i));
   }
   const Walker walker(surface, options.distance);
   return walkAll(start.size(), options.threads, progress, [&](std::size_t i) {
