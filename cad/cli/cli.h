@@ -67,6 +67,10 @@ void installInterruptHandler();
 
 /// Adds a mesh to another; its face labels are numbered on from those already there.
 void appendMesh(TriMesh& all, const TriMesh& part);
+/// Reads a mesh and turns triangles that disagree with their neighbours; warns on stderr, unless
+/// quiet, of that and of what keeps it from being a closed surface.
+[[nodiscard]] Result<TriMesh> readSurface(const std::filesystem::path& path,
+                                          const CommonOptions& options);
 /// All bodies' triangles in one mesh, each face with its own label. `deflection` in mm.
 [[nodiscard]] Result<TriMesh> meshOfModel(const cad::Model& model, double deflection);
 

@@ -28,7 +28,7 @@ struct FieldArguments {
 };
 
 Result<TriMesh> surfaceOf(const FieldArguments& arguments, double spacing) {
-  if (isMeshPath(arguments.in)) return readMesh(arguments.in);
+  if (isMeshPath(arguments.in)) return readSurface(arguments.in, arguments.common);
   const Result<cad::Model> model = cad::readModel(arguments.in);
   if (!model) return tl::unexpected(model.error());
   for (const std::string& warning : model->warnings)
@@ -67,6 +67,11 @@ int runField(const FieldArguments& arguments) {
       solveDistanceField(*surface, options, makeProgress(common).part(0, 1, "field"));
   endProgress(common);
   if (!field) return reportError(field.error());
+  if (field->signRepairs() > 0 && !common.quiet)
+    fmt::print(stderr,
+               "warning: the surface intersects itself; {} nodes have the sign of its winding "
+               "number\n",
+               field->signRepairs());
   if (const Result<void> ok = writeField(*field, arguments.out); !ok)
     return reportError(ok.error());
   const std::size_t nodes = field->values().size();

@@ -1,7 +1,10 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "cli.h"
 #include "phront/cad/tessellate.h"
+#include "phront/mesh_io.h"
 
 namespace phront::cli {
 
@@ -15,6 +18,24 @@ void appendMesh(TriMesh& all, const TriMesh& part) {
     all.triangles.push_back({corner[0] + base, corner[1] + base, corner[2] + base});
     all.faceOf.push_back(label + part.face(static_cast<Index>(t)));
   }
+}
+
+Result<TriMesh> readSurface(const std::filesystem::path& path, const CommonOptions& options) {
+  Result<TriMesh> mesh = readMesh(path);
+  if (!mesh) return mesh;
+  OrientedMesh oriented = orient(std::move(*mesh));
+  const MeshDiagnostics found = diagnose(oriented.mesh);
+  if (oriented.turned > 0 && !options.quiet)
+    fmt::print(stderr,
+               "warning: {} triangle(s) disagreed with their neighbours; they were turned\n",
+               oriented.turned);
+  if (!found.closedManifold() && !options.quiet)
+    fmt::print(stderr,
+               "warning: the mesh is not a closed surface ({} free, {} non-manifold, {} "
+               "misoriented edges, {} degenerate triangles); the result may have borders\n",
+               found.freeEdges, found.nonManifoldEdges, found.misorientedEdges,
+               found.degenerateTriangles);
+  return std::move(oriented.mesh);
 }
 
 Result<TriMesh> meshOfModel(const cad::Model& model, double deflection) {

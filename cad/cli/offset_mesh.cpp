@@ -139,15 +139,8 @@ int finish(const MeshOffset& offset, const TriMesh& in, const std::filesystem::p
 int offsetMeshFile(const std::filesystem::path& in, const std::filesystem::path& out,
                    double distance, bool parametric, std::optional<double> tolerance,
                    const CommonOptions& options) {
-  const Result<TriMesh> mesh = readMesh(in);
+  const Result<TriMesh> mesh = readSurface(in, options);
   if (!mesh) return reportError(mesh.error());
-  const MeshDiagnostics found = diagnose(*mesh);
-  if (!found.closedManifold() && !options.quiet)
-    fmt::print(stderr,
-               "warning: the mesh is not a closed surface ({} free, {} non-manifold, {} "
-               "misoriented edges, {} degenerate triangles); its offset may have borders\n",
-               found.freeEdges, found.nonManifoldEdges, found.misorientedEdges,
-               found.degenerateTriangles);
   const Result<MeshOffset> offset =
       offsetOne(*mesh, distance, parametric, toleranceOf(tolerance, distance), options,
                 makeProgress(options));

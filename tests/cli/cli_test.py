@@ -175,6 +175,22 @@ class CliTest(unittest.TestCase):
 
     # --- meshes
 
+    def test_turned_triangle_is_mended_with_a_warning(self) -> None:
+        data = bytearray(self.box.read_bytes())
+        at = 84 + 50 * 4 + 12  # the corners of facet 4
+        data[at + 12 : at + 36] = data[at + 24 : at + 36] + data[at + 12 : at + 24]
+        turned = self.folder / "turned.stl"
+        turned.write_bytes(data)
+        for command in (("field", "--spacing", "1"), ("offset", "-d", "1")):
+            outputs = []
+            for source in (self.box, turned):
+                out = self.out("turned.vtu" if command[0] == "field" else "turned_offset.stl")
+                run = phront(command[0], source, "-o", out, *command[1:])
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assertEqual("1 triangle(s) disagreed" in run.stderr, source == turned)
+                outputs.append(out.read_bytes())
+            self.assertEqual(outputs[0], outputs[1])
+
     def test_same_bits_at_any_thread_count(self) -> None:
         for source in (self.part, self.box):
             outputs = []

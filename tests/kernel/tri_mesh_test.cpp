@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <numbers>
 
 #include "meshes.h"
 
@@ -84,6 +85,56 @@ TEST(Components, AreNumberedByTheirFirstTriangle) {
   const Components parts = connectedComponents(mesh);
   ASSERT_EQ(parts.count, 2);
   for (std::size_t t = 0; t < 24; ++t) EXPECT_EQ(parts.ofTriangle[t], t < 12 ? 0 : 1);
+}
+
+TEST(Orient, TurnsTheSmallerAreaAndItsLabels) {
+  const TriMesh sound = test::lShape();
+  TriMesh mesh = sound;
+  for (const std::size_t t : {0U, 1U, 5U}) {
+    std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+    std::swap(mesh.edgeOf[3 * t], mesh.edgeOf[3 * t + 2]);
+  }
+  const OrientedMesh mended = orient(mesh);
+  EXPECT_EQ(mended.turned, 3);
+  EXPECT_EQ(mended.mesh.triangles, sound.triangles);
+  EXPECT_EQ(mended.mesh.edgeOf, sound.edgeOf);
+}
+
+TEST(Orient, LeavesWhatAgrees) {
+  TriMesh mesh = test::torus(2, 0.5, 16, 8);
+  EXPECT_EQ(orient(mesh).turned, 0);
+  for (auto& t : mesh.triangles) std::swap(t[1], t[2]);  // inside out, but at one
+  const OrientedMesh same = orient(mesh);
+  EXPECT_EQ(same.turned, 0);
+  EXPECT_EQ(same.mesh.triangles, mesh.triangles);
+}
+
+// Both parts are mended on their own; a seam stays on a one-sided strip.
+TEST(Orient, TakesPartsOneByOneAndCannotMendAMoebiusStrip) {
+  TriMesh mesh = test::sphere(1, 1);
+  test::append(mesh, test::sphere(1, 1, Vec3(5, 0, 0)), true);
+  std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
+  std::swap(mesh.triangles[40][0], mesh.triangles[40][1]);
+  EXPECT_EQ(orient(mesh).turned, 2);
+  EXPECT_EQ(diagnose(orient(mesh).mesh).misorientedEdges, 0);
+
+  TriMesh strip;
+  constexpr Index kSteps = 12;
+  for (Index i = 0; i < kSteps; ++i) {
+    const double u = 2 * std::numbers::pi * i / kSteps;
+    const Vec3 radius(std::cos(u), std::sin(u), 0);
+    const Vec3 across = std::cos(u / 2) * radius + std::sin(u / 2) * Vec3(0, 0, 1);
+    strip.points.push_back(radius + 0.3 * across);
+    strip.points.push_back(radius - 0.3 * across);
+  }
+  for (Index i = 0; i < kSteps; ++i) {
+    const bool last = i + 1 == kSteps;  // half a turn on, the rims have changed places
+    const Index a = last ? 1 : 2 * i + 2;
+    const Index b = last ? 0 : 2 * i + 3;
+    strip.triangles.push_back({2 * i, a, b});
+    strip.triangles.push_back({2 * i, b, 2 * i + 1});
+  }
+  EXPECT_EQ(diagnose(orient(strip).mesh).misorientedEdges, 1);
 }
 
 TEST(Weld, RestoresSharedPointsAndLabels) {

@@ -45,8 +45,10 @@ enum class SignRule {
 /// thread safe and allocate nothing. phi < 0 inside material.
 class SurfaceDistance {
  public:
-  /// Fails with InvalidArgument on an empty mesh, NaN or infinite points or indices out of range.
-  /// Degenerate triangles are accepted (they count as segments or points).
+  /// Fails with InvalidArgument on an empty mesh, points that are NaN, infinite or beyond 1e150,
+  /// indices out of range, and closed meshes with a triangle turned against its neighbour: they
+  /// have no inside (orient() mends them). Degenerate triangles are accepted (they count as
+  /// segments or points), duplicate ones too; a triangle and its reverse make a hole.
   [[nodiscard]] static Result<SurfaceDistance> build(TriMesh mesh,
                                                      SignRule rule = SignRule::Topology);
 

@@ -61,6 +61,17 @@ struct Components {
 };
 [[nodiscard]] Components connectedComponents(const TriMesh& mesh);
 
+struct OrientedMesh {
+  TriMesh mesh;
+  Index turned = 0;  ///< triangles whose corners were reversed
+};
+/// Reverses triangles until neighbours agree about their outside, that is, run the edge they share
+/// in opposite directions. In each part connected over edges of two triangles the orientation that
+/// covers more area stays; a part that is inside out altogether stays so. One-sided surfaces keep
+/// edges whose triangles disagree, and edges of more than two triangles decide nothing: diagnose()
+/// tells. Indices must be in range. Labels follow.
+[[nodiscard]] OrientedMesh orient(TriMesh mesh);
+
 /// Merges bitwise equal points (STL stores each triangle's corners anew), keeps triangle order and
 /// labels; drops triangles that collapse. Order of points: first use.
 [[nodiscard]] TriMesh weld(const TriMesh& mesh);

@@ -20,6 +20,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "geom/closest_on_triangle.h"
 #include "geom/mesh_topology.h"
 
 namespace phront {
@@ -34,7 +35,6 @@ const double kSmoothBend = 1 - std::cos(kSmoothTurn);
 constexpr double kTessellationLoss = 2;  // facets elsewhere may be twice as coarse as at the start
 constexpr double kProbe = 1e-3;          // of the distance: where a corner's rate is measured
 constexpr double kLeastRate = 0.05;      // below, the node could walk 20 times the distance
-constexpr double kFarthest = 1e150;      // beyond, squares of lengths overflow and no foot is found
 constexpr int kNewtonSteps = 3;          // phi is linear along the path but for facets
 constexpr std::int64_t kGrain = 256;     // points per task: about 1 ms
 constexpr std::int64_t kReports = 50;    // chunks between two looks at the progress handle

@@ -54,6 +54,9 @@ inline constexpr double kWellShapedHeight = 0.05;
   return t;
 }
 
+/// Coordinates and lengths beyond are refused: their squares would overflow and no foot be found.
+inline constexpr double kFarthest = 1e150;
+
 struct TriangleFoot {
   Vec3 point;
   double squared = std::numeric_limits<double>::infinity();

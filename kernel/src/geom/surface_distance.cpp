@@ -10,8 +10,8 @@
 // pseudonormal", 2005). Weak spots: their proof needs an embedded 2-manifold. Where a closed mesh
 // is not one (edges of more than two triangles, points with several fans, zero-area triangles,
 // triangles folded back onto their neighbour) the sign is asked of the winding number instead. A
-// mesh that intersects itself elsewhere, or is oriented inconsistently, has no sign; diagnose()
-// tells.
+// closed mesh whose triangles disagree about the outside has no sign and is refused; one that
+// intersects itself elsewhere has none near the sheets inside it.
 #include "phront/surface_distance.h"
 
 #include <fmt/format.h>
@@ -72,6 +72,11 @@ Result<void> checkInput(const TriMesh& mesh) {
                   fmt::format("Point {} of the surface is not finite; repair the mesh first.", i),
                   fmt::format("point {}", i));
     }
+    if (!(mesh.points[i].cwiseAbs().maxCoeff() < kFarthest)) {
+      return fail(ErrorCode::InvalidArgument,
+                  fmt::format("Point {} of the surface lies farther off than {:g}.", i, kFarthest),
+                  fmt::format("point {}", i));
+    }
   }
   const auto count = static_cast<Index>(mesh.points.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -111,6 +116,7 @@ struct SurfaceDistance::Impl {
   TriMesh mesh;
   Box3 box;
   bool closed = true;
+  std::array<Index, 2> disagreeing{kNone, kNone};  // neighbours turned against one another
   double onSurface = 0;
 
   Bvh bvh;                            // over triangles, for the winding number
@@ -294,6 +300,8 @@ void SurfaceDistance::Impl::buildTopology(const MeshEdges& edges) {
     if (sides.size() == 2) {
       across[size(sides[0])] = sides[1];
       across[size(sides[1])] = sides[0];
+      const bool opposite = sideStart(mesh, sides[0]) != sideStart(mesh, sides[1]);
+      if (!opposite && disagreeing[0] == kNone) disagreeing = {sides[0] / 3, sides[1] / 3};
     }
     if (sides.size() > 2) {
       for (const Index side : sides) across[size(side)] = kSeveral;
@@ -435,7 +443,15 @@ FootPoint SurfaceDistance::Impl::finish(const Best& best, const Vec3& x) const {
 
 Result<SurfaceDistance> SurfaceDistance::build(TriMesh mesh, SignRule rule) {
   if (auto ok = checkInput(mesh); !ok) return tl::unexpected(ok.error());
-  return SurfaceDistance(std::make_unique<const Impl>(std::move(mesh), rule));
+  auto impl = std::make_unique<const Impl>(std::move(mesh), rule);
+  if (const auto [a, b] = impl->disagreeing; impl->closed && a != kNone) {
+    return fail(ErrorCode::InvalidArgument,
+                fmt::format("Triangles {} and {} of the closed surface disagree about its outside; "
+                            "orient the mesh first.",
+                            a, b),
+                fmt::format("triangle {}", a));
+  }
+  return SurfaceDistance(std::move(impl));
 }
 
 const TriMesh& SurfaceDistance::mesh() const { return impl_->mesh; }
