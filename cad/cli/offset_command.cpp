@@ -146,8 +146,11 @@ int runOffset(const OffsetArguments& arguments) {
   if (const Result<void> ok = checkOutputPath(arguments.out, arguments.in); !ok)
     return reportError(ok.error());
   if (isDrawingPath(arguments.in) || isDrawingPath(arguments.out)) {
-    if (!isDrawingPath(arguments.in) || !isDrawingPath(arguments.out))
-      return reportUsage("a drawing gives a drawing: name both input and output .svg or .dxf");
+    const bool fromCurves = isDrawingPath(arguments.in) || cad::shapeFormatOf(arguments.in);
+    if (!fromCurves || !isDrawingPath(arguments.out))
+      return reportUsage(
+          "curves give a drawing: name the output .svg or .dxf, the input so too, or a CAD file of "
+          "planar wires");
     if (arguments.parametric) return reportUsage("--parametric moves mesh nodes, not drawings");
     return offsetDrawingFile(arguments.in, arguments.out, *distance, options.tolerance,
                              arguments.common);

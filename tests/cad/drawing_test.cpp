@@ -2,9 +2,19 @@
 
 #include <gtest/gtest.h>
 
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepTools.hxx>
+#include <BRep_Builder.hxx>
+#include <TopoDS_Compound.hxx>
+#include <TopoDS_Edge.hxx>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <gp.hxx>
+#include <gp_Ax2.hxx>
+#include <gp_Circ.hxx>
 #include <numbers>
 
 namespace phront::cad {
@@ -180,6 +190,59 @@ TEST_F(DrawingTest, UnitsAndBlocksOfDxf) {
   EXPECT_NEAR(areaOf(placed), 5 * kPi, 5e-3);
   ASSERT_TRUE(placed);
   EXPECT_EQ(placed->loops, 2U);
+}
+
+/// A square of side 4 with a round hole of radius 1, as loose edges around `place`'s origin.
+TopoDS_Compound squareWithHole(const gp_Ax2& place) {
+  const auto at = [&](double x, double y) {
+    return place.Location().Translated(gp_Vec(place.XDirection()) * x +
+                                       gp_Vec(place.YDirection()) * y);
+  };
+  BRep_Builder builder;
+  TopoDS_Compound compound;
+  builder.MakeCompound(compound);
+  const std::array<gp_Pnt, 4> corners{at(-2, -2), at(2, -2), at(2, 2), at(-2, 2)};
+  for (std::size_t k = 0; k < 4; ++k) {
+    builder.Add(compound, BRepBuilderAPI_MakeEdge(corners[k], corners[(k + 1) % 4]).Edge());
+  }
+  builder.Add(compound, BRepBuilderAPI_MakeEdge(gp_Circ(place, 1)).Edge());
+  return compound;
+}
+
+TEST_F(DrawingTest, PlanarWiresOfCadFiles) {
+  const std::string file = (folder_ / "wires.brep").string();
+  // On the plane z = 7; on the front plane; on a slanted one.
+  for (const gp_Ax2& place : {gp_Ax2(gp_Pnt(10, 20, 7), gp::DZ(), gp::DX()),
+                              gp_Ax2(gp_Pnt(10, 5, 20), gp_Dir(0, -1, 0), gp::DX()),
+                              gp_Ax2(gp_Pnt(1, 2, 3), gp_Dir(1, 2, 2))}) {
+    ASSERT_TRUE(BRepTools::Write(squareWithHole(place), file.c_str()));
+    const auto drawing = readDrawing(file, {.tolerance = 1e-4});
+    ASSERT_TRUE(drawing) << drawing.error().message;
+    EXPECT_EQ(drawing->loops, 2U);
+    EXPECT_EQ(drawing->open, 0U);
+    EXPECT_NEAR(signedArea(drawing->curves), 16 - kPi, 2e-3);
+    Eigen::AlignedBox2d box;
+    for (const Vec2& p : drawing->curves.points) box.extend(p);
+    if (place.Direction().IsParallel(gp_Dir(1, 2, 2), 1e-9)) continue;
+    EXPECT_NEAR((box.center() - Vec2(10, 20)).norm(), 0, 1e-6);
+  }
+}
+
+TEST_F(DrawingTest, WiresThatMakeNoDrawing) {
+  const std::string file = (folder_ / "wires.brep").string();
+  BRep_Builder builder;
+  TopoDS_Compound twisted = squareWithHole(gp_Ax2());
+  builder.Add(twisted, BRepBuilderAPI_MakeEdge(gp_Pnt(0, 0, 0), gp_Pnt(1, 1, 3)).Edge());
+  ASSERT_TRUE(BRepTools::Write(twisted, file.c_str()));
+  const auto off = readDrawing(file);
+  ASSERT_FALSE(off);
+  EXPECT_EQ(off.error().code, ErrorCode::UnreadableInput);
+  EXPECT_NE(off.error().message.find("one plane"), std::string::npos) << off.error().message;
+
+  ASSERT_TRUE(BRepTools::Write(BRepPrimAPI_MakeBox(1, 2, 3).Shape(), file.c_str()));
+  const auto solid = readDrawing(file);
+  ASSERT_FALSE(solid);
+  EXPECT_NE(solid.error().message.find("faces"), std::string::npos) << solid.error().message;
 }
 
 TEST_F(DrawingTest, WrittenAndReadBack) {

@@ -3,11 +3,13 @@
 #include <cctype>
 #include <cmath>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "drawing/readers.h"
+#include "exchange/cad_file.h"
 #include "exchange/guard.h"
 
 namespace phront::cad {
@@ -75,52 +77,76 @@ Result<DrawingFormat> drawingFormatOf(const std::filesystem::path& path) {
               fmt::format("{}: drawings are .svg or .dxf.", path.string()));
 }
 
-Result<Drawing> readDrawing(const std::filesystem::path& path, const DrawingOptions& options) {
-  const auto format = drawingFormatOf(path);
-  if (!format) return tl::unexpected(format.error());
-  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance))) {
-    return fail(ErrorCode::InvalidArgument, "The tolerance must be positive and finite.",
-                "tolerance");
+namespace {
+
+/// Guarded work that ends with the curves of the file.
+using ReadRaw = std::function<Result<RawDrawing>(double tolerance)>;
+
+Result<std::string> readInChild(const std::filesystem::path& path, const DrawingOptions& options,
+                                const ReadRaw& read) {
+  auto raw = read(options.tolerance.value_or(0));
+  if (!raw) return tl::unexpected(raw.error());
+  Eigen::AlignedBox2d box;
+  for (const Chain& c : raw->chains) {
+    for (const Vec2& p : c.points) {
+      if (!p.allFinite()) {
+        return fail(ErrorCode::UnreadableInput, "A point of the drawing is not finite.");
+      }
+      box.extend(p);
+    }
   }
-  const auto text = textOf(path);
-  if (!text) return tl::unexpected(text.error());
-  const auto bytes = runInChild(
-      "reading " + path.filename().string(), {options.timeLimit, options.memoryLimit},
-      [&]() -> Result<std::string> {
-        const double tolerance = options.tolerance.value_or(0);
-        auto raw =
-            *format == DrawingFormat::Svg ? readSvg(*text, tolerance) : readDxf(*text, tolerance);
-        if (!raw) return tl::unexpected(raw.error());
-        Eigen::AlignedBox2d box;
-        for (const Chain& c : raw->chains) {
-          for (const Vec2& p : c.points) {
-            if (!p.allFinite()) {
-              return fail(ErrorCode::UnreadableInput, "A point of the drawing is not finite.");
-            }
-            box.extend(p);
-          }
-        }
-        if (box.isEmpty() || !(box.diagonal().norm() > 0)) {
-          return fail(ErrorCode::UnreadableInput,
-                      fmt::format("{} holds no curves.", path.string()));
-        }
-        const double join = kJoinOfTolerance *
-                            options.tolerance.value_or(kAutomaticTolerance * box.diagonal().norm());
-        Drawing drawing = assemble(std::move(raw->chains), join);
-        if (drawing.curves.segments.empty()) {
-          return fail(ErrorCode::UnreadableInput,
-                      fmt::format("{} holds no curves of any length.", path.string()));
-        }
-        drawing.unitInMm = raw->unitInMm;
-        drawing.warnings.insert(drawing.warnings.begin(), raw->warnings.begin(),
-                                raw->warnings.end());
-        return bytesOf(drawing);
-      });
+  if (box.isEmpty() || !(box.diagonal().norm() > 0)) {
+    return fail(ErrorCode::UnreadableInput, fmt::format("{} holds no curves.", path.string()));
+  }
+  const double join =
+      kJoinOfTolerance * options.tolerance.value_or(kAutomaticTolerance * box.diagonal().norm());
+  Drawing drawing = assemble(std::move(raw->chains), join);
+  if (drawing.curves.segments.empty()) {
+    return fail(ErrorCode::UnreadableInput,
+                fmt::format("{} holds no curves of any length.", path.string()));
+  }
+  drawing.unitInMm = raw->unitInMm;
+  drawing.warnings.insert(drawing.warnings.begin(), raw->warnings.begin(), raw->warnings.end());
+  return bytesOf(drawing);
+}
+
+Result<Drawing> readGuarded(const std::filesystem::path& path, const DrawingOptions& options,
+                            const ReadRaw& read) {
+  const auto bytes =
+      runInChild("reading " + path.filename().string(), {options.timeLimit, options.memoryLimit},
+                 [&] { return readInChild(path, options, read); });
   if (!bytes && bytes.error().code == ErrorCode::Failed) {
     return fail(ErrorCode::UnreadableInput, bytes.error().message);
   }
   if (!bytes) return tl::unexpected(bytes.error());
   return drawingOf(*bytes);
+}
+
+}  // namespace
+
+Result<Drawing> readDrawing(const std::filesystem::path& path, const DrawingOptions& options) {
+  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance))) {
+    return fail(ErrorCode::InvalidArgument, "The tolerance must be positive and finite.",
+                "tolerance");
+  }
+  if (shapeFormatOf(path)) {
+    const auto file = openCadFile(path, options.memoryLimit);
+    if (!file) return tl::unexpected(file.error());
+    return readGuarded(path, options, [&](double tolerance) -> Result<RawDrawing> {
+      const auto loaded = loadCadFile(path, *file);
+      if (!loaded) return unreadable(path, loaded.error().message);
+      auto raw = readWires(*loaded, tolerance);
+      if (!raw) return unreadable(path, raw.error().message);
+      return raw;
+    });
+  }
+  const auto format = drawingFormatOf(path);
+  if (!format) return tl::unexpected(format.error());
+  const auto text = textOf(path);
+  if (!text) return tl::unexpected(text.error());
+  return readGuarded(path, options, [&](double tolerance) {
+    return *format == DrawingFormat::Svg ? readSvg(*text, tolerance) : readDxf(*text, tolerance);
+  });
 }
 
 }  // namespace phront::cad

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "drawing/chain.h"
+#include "exchange/load_shapes.h"
 #include "phront/status.h"
 
 namespace phront::cad {
@@ -18,5 +19,7 @@ struct RawDrawing {
 /// `tolerance` in mm; <= 0: 1e-5 of the drawing's size. Fails with UnreadableInput.
 [[nodiscard]] Result<RawDrawing> readSvg(const std::string& text, double tolerance);
 [[nodiscard]] Result<RawDrawing> readDxf(const std::string& text, double tolerance);
+/// Of a CAD file without faces; its curves lie in one plane.
+[[nodiscard]] Result<RawDrawing> readWires(const Loaded& loaded, double tolerance);
 
 }  // namespace phront::cad

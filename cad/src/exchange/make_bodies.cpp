@@ -71,7 +71,9 @@ class BodyMaker {
   [[nodiscard]] std::string noFaces() const {
     if (!loaded_.emptyReason.empty()) return loaded_.emptyReason;
     for (const NamedShape& named : loaded_.shapes) {
-      if (TopExp_Explorer(named.shape, TopAbs_EDGE).More()) return "it holds edges but no faces";
+      if (TopExp_Explorer(named.shape, TopAbs_EDGE).More())
+        return "it holds edges but no faces; planar wires give a drawing: name the output .svg or "
+               ".dxf";
     }
     return "it holds no faces";
   }

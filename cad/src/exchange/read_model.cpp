@@ -7,44 +7,14 @@
 #include <cctype>
 #include <cmath>
 
-#include "exchange/file_text.h"
+#include "exchange/cad_file.h"
 #include "exchange/guard.h"
-#include "exchange/load_shapes.h"
 #include "exchange/make_bodies.h"
 #include "exchange/model_bytes.h"
-#include "exchange/step_scan.h"
 #include "phront/cad/exchange.h"
 
 namespace phront::cad {
 namespace {
-
-tl::unexpected<Error> unreadable(const std::filesystem::path& path, const std::string& why) {
-  return fail(ErrorCode::UnreadableInput,
-              fmt::format("reading {}: {}", path.filename().string(), why), path.string());
-}
-
-Result<Loaded> load(const std::filesystem::path& path, const FileText& file, const StepScan& scan) {
-  switch (file.format) {
-    case ShapeFormat::Step:
-      return loadStep(file, scan);
-    case ShapeFormat::Iges:
-      return loadIges(path);
-    case ShapeFormat::Brep:
-      return loadBrep(file);
-  }
-  return fail(ErrorCode::UnreadableInput, "its format is not known");
-}
-
-// Faults of OpenCASCADE mean a damaged file here; what the scan saw may say where.
-Error explain(Error error, const std::filesystem::path& path, const StepScan& scan) {
-  if (error.code == ErrorCode::Failed) {
-    error.code = ErrorCode::UnreadableInput;
-    error.message += "; the file is probably damaged";
-  }
-  if (!scan.suspicion.empty()) error.message += " (" + scan.suspicion + ")";
-  if (error.where.empty()) error.where = path.string();
-  return error;
-}
 
 Result<void> validate(const ReadOptions& options) {
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
@@ -73,35 +43,22 @@ Result<ShapeFormat> shapeFormatOf(const std::filesystem::path& path) {
 
 Result<Model> readModel(const std::filesystem::path& path, const ReadOptions& options) {
   if (const auto valid = validate(options); !valid) return tl::unexpected<Error>(valid.error());
-  const auto maxBytes = static_cast<std::size_t>(std::min(options.memoryLimit, 1e6) * (1 << 20));
-  auto file = loadFile(path, maxBytes);
+  const auto file = openCadFile(path, options.memoryLimit);
   if (!file) return tl::unexpected<Error>(file.error());
-  StepScan scan;
-  std::optional<std::string> defect;
-  if (file->format == ShapeFormat::Step) {
-    scan = scanStep(file->bytes);
-    if (!scan.defect.empty()) defect = scan.defect;
-  } else if (file->format == ShapeFormat::Iges) {
-    defect = igesDefect(file->bytes);
-  } else if (!file->binaryBrep) {
-    defect = brepDefect(file->bytes);
-  }
-  if (defect) return unreadable(path, *defect);
-
   const std::string what = "reading " + path.filename().string();
   const GuardLimits limits{.seconds = options.timeLimit, .memoryMiB = options.memoryLimit};
   const auto bytes = runInChild(what, limits, [&]() -> Result<std::string> {
-    auto loaded = load(path, *file, scan);
+    auto loaded = loadCadFile(path, *file);
     if (!loaded) return unreadable(path, loaded.error().message);
     const auto model = makeBodies(std::move(*loaded), options);
     if (!model) return unreadable(path, model.error().message);
     return bytesOfModel(*model);
   });
-  if (!bytes) return tl::unexpected<Error>(explain(bytes.error(), path, scan));
+  if (!bytes) return tl::unexpected<Error>(explain(bytes.error(), path, *file));
   auto model = modelOfBytes(*bytes);
   if (!model) return model;
-  std::vector<std::string> warnings = file->warnings;
-  warnings.insert(warnings.end(), scan.warnings.begin(), scan.warnings.end());
+  std::vector<std::string> warnings = file->text.warnings;
+  warnings.insert(warnings.end(), file->scan.warnings.begin(), file->scan.warnings.end());
   warnings.insert(warnings.end(), model->warnings.begin(), model->warnings.end());
   model->warnings = std::move(warnings);
   return model;

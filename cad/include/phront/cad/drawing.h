@@ -1,4 +1,4 @@
-// Planar drawings: SVG and DXF in and out.
+// Planar drawings: SVG and DXF in and out, planar wires of CAD files in.
 #pragma once
 
 #include <filesystem>
@@ -36,7 +36,9 @@ struct Drawing {
 /// transforms, without what is hidden or only defined; units as CSS has them (no unit: 96 to the
 /// inch). DXF: LINE, ARC, CIRCLE, ELLIPSE, (LW)POLYLINE with bulges, SPLINE, and blocks inserted;
 /// $INSUNITS, none: mm. Ends nearer to one another than the tolerance are joined; curves drawn
-/// twice count once. Fails with UnreadableInput, ResourceLimit; one sentence that names the
+/// twice count once. STEP, IGES, BREP: the curves of a file without faces that lie in one
+/// plane; parallel to z = 0 they keep x and y, else they are seen from the front of their plane, z
+/// upwards. Fails with UnreadableInput, ResourceLimit; one sentence that names the
 /// trouble.
 [[nodiscard]] Result<Drawing> readDrawing(const std::filesystem::path& path,
                                           const DrawingOptions& options = {});
