@@ -3,7 +3,7 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/MeshToVolume.h>
-#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include "band_problems.h"
 #include "problems.h"
@@ -29,18 +29,19 @@ openvdb::FloatGrid::Ptr denseSphere() {
 }
 
 void fastSweeping(benchmark::State& state) {
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  tbb::task_arena one(1);
   const auto grid = denseSphere();
   std::int64_t sweeps = 0;
   for (auto _ : state) {
-    const auto solved = openvdb::tools::sdfToSdf(*grid, 0.0F, 1);  // one round of eight
+    // One round of eight.
+    const auto solved = one.execute([&] { return openvdb::tools::sdfToSdf(*grid, 0.0F, 1); });
     sweeps += 8 * static_cast<std::int64_t>(solved->activeVoxelCount());
   }
   state.SetItemsProcessed(sweeps);
 }
 
 void meshToVolume(benchmark::State& state, const BandProblem& p) {
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  tbb::task_arena one(1);
   std::vector<openvdb::Vec3s> points;
   std::vector<openvdb::Vec3I> triangles;
   for (const Vec3& x : p.mesh.points) points.emplace_back(x[0] / p.h, x[1] / p.h, x[2] / p.h);
@@ -50,7 +51,8 @@ void meshToVolume(benchmark::State& state, const BandProblem& p) {
   const auto unit = openvdb::math::Transform::createLinearTransform(1.0);
   std::int64_t nodes = 0;
   for (auto _ : state) {
-    const auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(mesh, *unit, 3.0F, 3.0F);
+    const auto grid = one.execute(
+        [&] { return openvdb::tools::meshToVolume<openvdb::FloatGrid>(mesh, *unit, 3.0F, 3.0F); });
     nodes += static_cast<std::int64_t>(grid->activeVoxelCount());
   }
   state.SetItemsProcessed(nodes);

@@ -61,13 +61,14 @@ class DenseProblem {
         layout_(TileLayout<Dim>::dense(nodesOf(grid))),
         values_(static_cast<std::size_t>(layout_.nodeCount()), kFar<Real>),
         steps_(layout_.tileCount()) {
+    const double perSpacing = 1 / grid.spacing;
     forRows([&](Index tile, std::size_t place, std::int64_t number, std::int32_t count) {
       Real* values = values_.data() + valueOf(tile, place);
       for (std::int32_t i = 0; i < TileLayout<Dim>::kSize; ++i) {
         Real step = kBlocked<Real>;  // beyond the walls
         if (i < count) {
           const auto node = static_cast<std::size_t>(number + i);
-          const double time = known[node] / grid.spacing;
+          const double time = known[node] * perSpacing;
           if (time < kLargest) {
             values[i] = static_cast<Real>(time);
           } else {
@@ -98,12 +99,12 @@ class DenseProblem {
       last = true;
       if constexpr (std::is_same_v<Real, double>) sweeper.useSecondOrder();
     }
-    solution.times.assign(static_cast<std::size_t>(grid_.nodeCount()), kInfinity);
+    solution.times.resize(static_cast<std::size_t>(grid_.nodeCount()));
     forRows([&](Index tile, std::size_t place, std::int64_t number, std::int32_t count) {
       const Real* values = values_.data() + valueOf(tile, place);
       double* times = solution.times.data() + number;
       for (std::int32_t i = 0; i < count; ++i) {
-        if (values[i] < kFar<Real>) times[i] = grid_.spacing * values[i];
+        times[i] = values[i] < kFar<Real> ? grid_.spacing * values[i] : kInfinity;
       }
     });
     return solution;
