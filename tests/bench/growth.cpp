@@ -38,19 +38,21 @@ void writePlot(const char* path, const std::vector<Row>& rows) {
   const auto y = [&](double ratio) { return 380 - 27 * std::log2(ratio); };
   svg << R"(<svg xmlns="http://www.w3.org/2000/svg" width="560" height="420" font-family="sans-serif" font-size="12">)"
       << R"(<rect width="560" height="420" fill="white"/>)";
-  const auto curve = [&](const char* name, const char* colour, const char* dash, auto value) {
+  const auto curve = [&](const char* name, const char* colour, const char* dash, int below,
+                         auto value) {
     svg << "<polyline fill='none' stroke='" << colour << "' stroke-dasharray='" << dash
         << "' points='";
     for (const Row& row : rows)
       svg << x(row.h) << "," << y(value(row) / value(rows.front())) << " ";
     const Row& last = rows.back();
-    svg << "'/><text x='" << x(last.h) + 6 << "' y='" << y(value(last) / value(rows.front()))
-        << "' fill='" << colour << "'>" << name << "</text>";
+    svg << "'/><text x='" << x(last.h) + 6 << "' y='"
+        << y(value(last) / value(rows.front())) + below << "' fill='" << colour << "'>" << name
+        << "</text>";
   };
-  curve("1/h&#179;", "#999999", "4", [](const Row& r) { return std::pow(r.h, -3); });
-  curve("1/h&#178;", "#999999", "4", [](const Row& r) { return std::pow(r.h, -2); });
-  curve("memory", "#1f77b4", "", [](const Row& r) { return r.bytes; });
-  curve("time", "#d62728", "", [](const Row& r) { return r.seconds; });
+  curve("1/h&#179;", "#999999", "4", 0, [](const Row& r) { return std::pow(r.h, -3); });
+  curve("1/h&#178;", "#999999", "4", -6, [](const Row& r) { return std::pow(r.h, -2); });
+  curve("memory", "#1f77b4", "", 10, [](const Row& r) { return r.bytes; });
+  curve("time", "#d62728", "", 0, [](const Row& r) { return r.seconds; });
   for (const Row& row : rows) {
     svg << "<text x='" << x(row.h) - 14 << "' y='400'>" << fmt::format("{:.4g}", row.h)
         << "</text>";
