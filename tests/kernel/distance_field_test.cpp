@@ -230,6 +230,19 @@ TEST(DistanceField, SweptBandsAreNearTheExactOnes) {
   }
 }
 
+TEST(DistanceField, BandsOffAnOpenSheetLieOnBothSides) {
+  const SurfaceDistance surface = built(test::sheet(4));
+  const DistanceField field = solved(surface, {.spacing = 0.05, .bandMin = 0.12, .bandMax = 0.2});
+  int above = 0;
+  int below = 0;
+  field.forNodes([&](const GridIndex& node, double phi, Index) {
+    EXPECT_TRUE(std::abs(phi) >= 0.12 && std::abs(phi) <= 0.2);
+    ++(field.position(node)[2] > 0 ? above : below);
+  });
+  EXPECT_GT(above, 500);
+  EXPECT_GT(below, 500);
+}
+
 TEST(DistanceField, SweepingNeedsAClosedSurface) {
   const SurfaceDistance surface = built(test::sheet(3));
   FieldOptions options{.spacing = 0.1, .bandMin = -0.2, .bandMax = 0.2};

@@ -69,8 +69,8 @@ class FieldBuilder {
     if (!filled) return tl::unexpected(filled.error());
     if (surface_.closed()) {
       field_.signRepairs_ = auditSigns(surface_, field_, field_.phi_, options_.threads);
-      dropOutside();
     }
+    dropOutside();
     field_.phi_.shrink_to_fit();
     field_.triangle_.shrink_to_fit();
     if (!progress.report(1)) return fail(ErrorCode::Cancelled, "Cancelled.");
@@ -131,7 +131,15 @@ class FieldBuilder {
     if (static_cast<std::int64_t>(field_.phi_.size()) > tile.first) field_.tiles_.push_back(tile);
   }
 
-  /// Signs are final: what lies on the other side of a one-sided band goes.
+  [[nodiscard]] bool inBand(double phi) const {
+    if (surface_.closed()) return phi >= options_.bandMin && phi <= options_.bandMax;
+    // The sign jumps beyond the border: either side counts.
+    const double size = std::abs(phi);
+    return (size >= options_.bandMin && size <= options_.bandMax) ||
+           (-size >= options_.bandMin && -size <= options_.bandMax);
+  }
+
+  /// Signs are final: what was found on the way to the band goes.
   void dropOutside() {
     std::size_t kept = 0;
     std::size_t slot = 0;
@@ -140,7 +148,7 @@ class FieldBuilder {
       for (std::uint64_t& word : tile.held) {
         for (std::uint64_t left = word; left != 0; left &= left - 1, ++slot) {
           const double phi = field_.phi_[slot];
-          if (phi < options_.bandMin || phi > options_.bandMax) {
+          if (!inBand(phi)) {
             word &= ~(left & (~left + 1));
             continue;
           }
