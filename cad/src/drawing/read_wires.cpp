@@ -43,12 +43,11 @@ struct View {
 };
 
 View viewOf(const std::vector<Polyline>& curves) {
-  Eigen::Matrix3Xd all(3, 0);
+  Eigen::Index count = 0;
+  for (const Polyline& curve : curves) count += static_cast<Eigen::Index>(curve.size());
+  Eigen::Matrix3Xd all(3, count);
   for (const Polyline& curve : curves) {
-    for (const Vec3& p : curve) {
-      all.conservativeResize(Eigen::NoChange, all.cols() + 1);
-      all.col(all.cols() - 1) = p;
-    }
+    for (const Vec3& p : curve) all.col(--count) = p;
   }
   const Vec3 centre = all.rowwise().mean();
   const Eigen::Matrix3Xd around = all.colwise() - centre;

@@ -107,10 +107,9 @@ class FieldBuilder {
           "the exact solver.",
           "solver");
     }
-    const auto tiles = sweptBand(surface_, grid, progress);
-    if (!tiles) return tl::unexpected(tiles.error());
-    for (const SweptTile& tile : *tiles) append(tile.coordinates, tile.block);
-    return {};
+    return sweepBand(
+        surface_, grid, [&](const GridIndex& tile, const BlockPhi& block) { append(tile, block); },
+        progress);
   }
 
   BlockPhi blockOf(const TileSeed& seed) const {

@@ -94,22 +94,25 @@ class BandSweep {
     }
   }
 
-  [[nodiscard]] SweptTile tile(Index t) const {
-    SweptTile result{layout_.coordinates(t), {}};
+  void handOver(const TakeTile& take) const {
+    for (Index t = 0; t < layout_.tileCount(); ++t) take(layout_.coordinates(t), blockOf(t));
+  }
+
+ private:
+  [[nodiscard]] BlockPhi blockOf(Index t) const {
+    BlockPhi block;
     for (std::size_t n = 0; n < Layout::kNodes; ++n) {
       const std::size_t at = index(t) * Layout::kNodes + n;
       if (triangle_[at] == kNone) continue;
       const double phi = (negative_[at] != 0 ? -1 : 1) * grid_.spacing * times_[at];
       if (phi < grid_.bandMin || phi > grid_.bandMax) continue;
-      result.block.held[n >> 6] |= std::uint64_t{1} << (n & 63);
-      result.block.phi[n] = phi;
-      result.block.triangle[n] = triangle_[at];
+      block.held[n >> 6] |= std::uint64_t{1} << (n & 63);
+      block.phi[n] = phi;
+      block.triangle[n] = triangle_[at];
     }
-    return result;
+    return block;
   }
-  [[nodiscard]] Index tileCount() const { return layout_.tileCount(); }
 
- private:
   template <class Visit>
   void forNeighbours(std::int64_t node, const Visit& visit) const {
     const auto tile = static_cast<Index>(node / Layout::kNodes);
@@ -137,8 +140,8 @@ class BandSweep {
 
 }  // namespace
 
-Result<std::vector<SweptTile>> sweptBand(const SurfaceDistance& surface, const BandGrid& grid,
-                                         const Progress& progress) {
+Result<void> sweepBand(const SurfaceDistance& surface, const BandGrid& grid, const TakeTile& take,
+                       const Progress& progress) {
   BandGrid whole = grid;  // fronts start at the surface
   whole.bandMin = std::min(grid.bandMin, 0.0);
   whole.bandMax = std::max(grid.bandMax, 0.0);
@@ -150,9 +153,8 @@ Result<std::vector<SweptTile>> sweptBand(const SurfaceDistance& surface, const B
   if (auto ok = band.sweep(progress.part(0.5, 0.9, "sweep")); !ok)
     return tl::unexpected(ok.error());
   band.spread();
-  std::vector<SweptTile> tiles;
-  for (Index t = 0; t < band.tileCount(); ++t) tiles.push_back(band.tile(t));
-  return tiles;
+  band.handOver(take);
+  return {};
 }
 
 }  // namespace phront
