@@ -40,26 +40,28 @@ void naiveKernel(benchmark::State& state) {
 
 template <class Real>
 void tileKernel(benchmark::State& state) {
-  constexpr std::int32_t kTiles = kSweepNodes / 8;
+  constexpr Index kTiles = kSweepNodes / 8;
   const auto layout = TileLayout<3>::dense({kSweepNodes, kSweepNodes, kSweepNodes});
   std::vector<Real> values(static_cast<std::size_t>(layout.nodeCount()), kFar<Real>);
   values[values.size() / 2] = 0;
+  const auto valuesOf = [&](Index tile) {
+    return tile == kNone ? nullptr : values.data() + TileLayout<3>::kNodes * tile;
+  };
   for (auto _ : state) {
     for (unsigned ordering = 0; ordering < 8; ++ordering) {
-      const auto place = [&](std::int32_t n, unsigned axis) {
+      const auto place = [&](Index n, unsigned axis) {
         return (ordering >> axis & 1U) != 0 ? kTiles - 1 - n : n;
       };
-      for (std::int32_t c = 0; c < kTiles; ++c) {
-        for (std::int32_t b = 0; b < kTiles; ++b) {
-          for (std::int32_t a = 0; a < kTiles; ++a) {
-            const Index tile = layout.find({place(a, 0), place(b, 1), place(c, 2)});
+      // Tiles as they follow each other in memory: the last axis is the fastest.
+      for (Index a = 0; a < kTiles; ++a) {
+        for (Index b = 0; b < kTiles; ++b) {
+          for (Index c = 0; c < kTiles; ++c) {
+            const Index tile = (place(a, 0) * kTiles + place(b, 1)) * kTiles + place(c, 2);
             TileView<Real, 3> view;
-            view.values = values.data() + 512 * static_cast<std::size_t>(tile);
+            view.values = valuesOf(tile);
             for (int side = 0; side < 6; ++side) {
-              const Index other = layout.neighbour(tile, side / 2, side % 2);
-              if (other != kNone)
-                view.neighbours[static_cast<std::size_t>(side)] =
-                    values.data() + 512 * static_cast<std::size_t>(other);
+              view.neighbours[static_cast<std::size_t>(side)] =
+                  valuesOf(layout.neighbour(tile, side / 2, side % 2));
             }
             benchmark::DoNotOptimize(sweepTile(view, ordering, Real(0)));
           }

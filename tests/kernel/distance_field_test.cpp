@@ -178,6 +178,25 @@ TEST(DistanceField, OpenSheetHasNoPhiBeyondItsBorder) {
   EXPECT_GT(inside, 1000);
 }
 
+// Both outward: the inner box lies in the material of the outer one. In a narrow band no neighbours
+// contradict each other; the winding number of each region tells.
+TEST(DistanceField, RepairsSignsOfAWholeRegion) {
+  TriMesh mesh;
+  test::append(mesh, test::box(Vec3(0, 0, 0), Vec3(4, 4, 4)));
+  test::append(mesh, test::box(Vec3(1, 1, 1), Vec3(3, 3, 3)));
+  const SurfaceDistance surface = built(mesh);
+  const DistanceField field = solved(surface, {.spacing = 0.1, .bandMin = -0.35, .bandMax = 0.35});
+  EXPECT_GT(field.signRepairs(), 1000);
+  int within = 0;
+  field.forNodes([&](const GridIndex& node, double phi, Index) {
+    const Vec3 x = field.position(node);
+    if (std::abs(phi) < 1e-9) return;
+    EXPECT_EQ(phi < 0, x.minCoeff() > 0 && x.maxCoeff() < 4) << x.transpose();
+    within += phi < 0 ? 1 : 0;
+  });
+  EXPECT_GT(within, 10'000);
+}
+
 // Two overlapping boxes as one mesh: the walls inside the union have no sign of their own.
 TEST(DistanceField, RepairsSignsWhereTheSurfaceIntersectsItself) {
   TriMesh mesh;

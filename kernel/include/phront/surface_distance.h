@@ -69,9 +69,11 @@ class SurfaceDistance {
   [[nodiscard]] FootPoint footFrom(const Vec3& x, Index triangle) const;
 
   /// foot() at the nodes origin + spacing (first + (i,j,k)), i, j, k = 0 .. 7, that are not farther
-  /// than `reach`: the same bits, several times sooner. spacing > 0.
+  /// than `reach`: the same bits, several times sooner. spacing > 0. `start`, a triangle thought to
+  /// be near the middle of the block, spares a search; the result is the same, whatever it is.
   [[nodiscard]] BlockPhi phiOnBlock(const Vec3& origin, double spacing,
-                                    const std::array<std::int32_t, 3>& first, double reach) const;
+                                    const std::array<std::int32_t, 3>& first, double reach,
+                                    Index start = kNone) const;
 
   /// Closest point of one triangle (no sign: always +1).
   [[nodiscard]] FootPoint footOnTriangle(const Vec3& x, Index triangle) const;

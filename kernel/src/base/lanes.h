@@ -43,7 +43,7 @@ PHRONT_INLINE L minOf(const L& a, const L& b) {
 
 template <class L>
 PHRONT_INLINE L maxOf(const L& a, const L& b) {
-  return a < b ? b : a;
+  return a > b ? a : b;
 }
 
 template <class Real, int N>

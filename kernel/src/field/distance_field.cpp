@@ -116,7 +116,7 @@ class FieldBuilder {
     const auto& [a, b, c] = seed.coordinates;
     const double reach = std::max(std::abs(options_.bandMin), std::abs(options_.bandMax));
     return surface_.phiOnBlock(field_.origin(), options_.spacing, {a * kSize, b * kSize, c * kSize},
-                               reach);
+                               reach, seed.triangle);
   }
 
   void append(const GridIndex& coordinates, const BlockPhi& block) {

@@ -1,9 +1,10 @@
 // The sign of a node is that of its foot's pseudonormal, a local matter. Two checks make it global:
 // neighbours of opposite sign must both be near the surface, |phi_i| + |phi_j| <= h, as phi is
-// 1-Lipschitz; and in every tile the node farthest from the surface must agree with the winding
-// number (Jacobson et al. 2013). A tile that fails either gets all its signs from the winding
-// number, then its neighbours are checked against it, until nothing fails any more. The region
-// where the winding number exceeds one half is bounded by the surface, so the end is consistent.
+// 1-Lipschitz; and the winding number (Jacobson et al. 2013) must agree at one node of every region
+// that lies on one side, and in tiles that hold nothing of a region. A tile that fails either gets
+// all its signs from the winding number, then its neighbours are checked against it, until nothing
+// fails any more. The part of space where the winding number exceeds one half is bounded by the
+// surface, so the end is consistent.
 // Weak spot: on a surface that intersects itself the magnitude stays the distance to the nearest
 // sheet, inner sheets included.
 #include "field/sign_audit.h"
@@ -14,6 +15,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "field/safe_regions.h"
 
 namespace phront {
 
@@ -43,7 +45,18 @@ class Auditor {
   std::int64_t run() {
     forAll([&](std::size_t t) { readSigns(t); });
     std::vector<char> suspect(tiles_.size(), 0);
-    forAll([&](std::size_t t) { suspect[t] = !agreesWithWinding(t) || contradicts(t) ? 1 : 0; });
+    std::vector<char> checked(tiles_.size(), 0);
+    for (const SafeRegion& region : safeRegions(field_, phi_, threads_)) {
+      const bool right =
+          agreesWithWinding(tiles_[static_cast<std::size_t>(region.tile)], region.node, region.phi);
+      for (const Index t : region.tiles) {
+        checked[static_cast<std::size_t>(t)] = 1;
+        if (!right) suspect[static_cast<std::size_t>(t)] = 1;
+      }
+    }
+    forAll([&](std::size_t t) {
+      if (contradicts(t) || (checked[t] == 0 && !farthestAgrees(t))) suspect[t] = 1;
+    });
     std::vector<char> done(tiles_.size(), 0);
     std::vector<std::int64_t> turned(tiles_.size(), 0);
     while (std::find(suspect.begin(), suspect.end(), 1) != suspect.end()) {
@@ -92,16 +105,19 @@ class Auditor {
 
   bool inMaterial(const Vec3& x) const { return surface_.timesAround(x) > threshold_; }
 
-  bool agreesWithWinding(std::size_t t) const {
-    const Tile& tile = tiles_[t];
+  bool agreesWithWinding(const Tile& tile, int node, double phi) const {
+    return (phi < 0) == inMaterial(field_.position(field_.node(tile, node)));
+  }
+
+  bool farthestAgrees(std::size_t t) const {
     double farthest = 0;
     int node = -1;
-    forHeld(tile, [&](int n, double phi) {
+    forHeld(tiles_[t], [&](int n, double phi) {
       if (node >= 0 && std::abs(phi) <= std::abs(farthest)) return;
       farthest = phi;
       node = n;
     });
-    return node < 0 || (farthest < 0) == inMaterial(field_.position(field_.node(tile, node)));
+    return node < 0 || agreesWithWinding(tiles_[t], node, farthest);
   }
 
   // Looks at all pairs inside the tile and at those across its six sides.

@@ -49,8 +49,8 @@ PHRONT_INLINE L linear(const std::array<float, 3>& v, const L& x, const L& y, co
 }  // namespace
 
 void BlockQuery::run(const Bvh& tree, std::span<const QueryTriangle> leaves, const NodeBlock& block,
-                     double reach, const Visit& visit) {
-  if (!gather(tree, leaves, block, reach)) return;
+                     double reach, const QueryTriangle* start, const Visit& visit) {
+  if (!gather(tree, leaves, block, reach, start)) return;
   reach_ = static_cast<float>(std::min(reach / block.spacing, 1e18));
   levels_[0].list.resize(locals_.size());
   std::iota(levels_[0].list.begin(), levels_[0].list.end(), 0);
@@ -58,7 +58,7 @@ void BlockQuery::run(const Bvh& tree, std::span<const QueryTriangle> leaves, con
 }
 
 bool BlockQuery::gather(const Bvh& tree, std::span<const QueryTriangle> leaves,
-                        const NodeBlock& block, double reach) {
+                        const NodeBlock& block, double reach, const QueryTriangle* start) {
   const Vec3 centre = block.position(0) + Vec3::Constant(0.5 * (kSize - 1) * block.spacing);
   const double radius = radiusOf(kSize) * block.spacing * (1 + 1e-9);
   const auto leaf = [&](Index i) -> const QueryTriangle& {
@@ -66,10 +66,15 @@ bool BlockQuery::gather(const Bvh& tree, std::span<const QueryTriangle> leaves,
   };
   const double farthest = (reach + radius) * (reach + radius);
   double squared = farthest;
-  tree.nearest(
-      centre,
-      [&](Index i) { squared = std::min(squared, closestOnTriangle(leaf(i), centre).squared); },
-      [&] { return squared; });
+  const auto offer = [&](const QueryTriangle& t) {
+    squared = std::min(squared, closestOnTriangle(t, centre).squared);
+  };
+  if (start != nullptr) {
+    offer(*start);
+  } else {
+    tree.nearest(
+        centre, [&](Index i) { offer(leaf(i)); }, [&] { return squared; });
+  }
   const double bound = std::sqrt(squared) * (1 + 1e-9) + 2 * radius;
   const double limit = std::min(bound * bound, farthest);
   gathered_.clear();

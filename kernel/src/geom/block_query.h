@@ -36,9 +36,10 @@ class BlockQuery {
   /// Visits every node not farther than `reach` (infinity: all), and some little farther, with the
   /// few triangles that are nearest up to rounding in single precision: those nearest in truth are
   /// among them, ties included, each once and by increasing id. `leaves` are in the order of the
-  /// tree; a triangle may be there several times.
+  /// tree; a triangle may be there several times. `start`, one of the
+  /// triangles, thought to be near the block's centre, spares a search; null: none.
   void run(const Bvh& tree, std::span<const QueryTriangle> leaves, const NodeBlock& block,
-           double reach, const Visit& visit);
+           double reach, const QueryTriangle* start, const Visit& visit);
 
  private:
   /// A triangle in units of the spacing around the block's centre, as linear functions there: good
@@ -63,7 +64,7 @@ class BlockQuery {
   };
 
   bool gather(const Bvh& tree, std::span<const QueryTriangle> leaves, const NodeBlock& block,
-              double reach);
+              double reach, const QueryTriangle* start);
   static Local localOf(const QueryTriangle& t, const Vec3& centre, double spacing);
   void descend(int level, const std::array<int, 3>& corner, const Visit& visit);
   static void squaredDistances(std::span<const Local> all, std::span<const int> list,

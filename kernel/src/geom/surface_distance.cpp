@@ -478,12 +478,14 @@ FootPoint SurfaceDistance::footFrom(const Vec3& x, Index start) const {
 }
 
 BlockPhi SurfaceDistance::phiOnBlock(const Vec3& origin, double spacing,
-                                     const std::array<std::int32_t, 3>& first, double reach) const {
+                                     const std::array<std::int32_t, 3>& first, double reach,
+                                     Index start) const {
   const Impl& s = *impl_;
   static thread_local BlockQuery query;  // for its memory
   const NodeBlock block{origin, spacing, first};
   BlockPhi result;
-  query.run(s.nearTree, s.nearLeaves, block, reach,
+  const bool known = start >= 0 && size(start) < s.leafOf.size();
+  query.run(s.nearTree, s.nearLeaves, block, reach, known ? &s.triangle(start) : nullptr,
             [&](int node, std::span<const Index> candidates) {
               const Vec3 x = block.position(node);
               Impl::Best best;
