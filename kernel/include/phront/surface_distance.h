@@ -99,6 +99,7 @@ class SurfaceDistance {
 
  private:
   struct Impl;
+  struct BlockVisitor;
   explicit SurfaceDistance(std::unique_ptr<const Impl> impl);
   std::unique_ptr<const Impl> impl_;
 };

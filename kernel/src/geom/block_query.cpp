@@ -8,6 +8,7 @@
 #include "geom/block_query.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -49,12 +50,12 @@ PHRONT_INLINE L linear(const std::array<float, 3>& v, const L& x, const L& y, co
 }  // namespace
 
 void BlockQuery::run(const Bvh& tree, std::span<const QueryTriangle> leaves, const NodeBlock& block,
-                     double reach, const QueryTriangle* start, const Visit& visit) {
+                     double reach, const QueryTriangle* start, Visitor& visitor) {
   if (!gather(tree, leaves, block, reach, start)) return;
   reach_ = static_cast<float>(std::min(reach / block.spacing, 1e18));
   levels_[0].list.resize(locals_.size());
   std::iota(levels_[0].list.begin(), levels_[0].list.end(), 0);
-  descend(0, {0, 0, 0}, visit);
+  descend(0, {0, 0, 0}, visitor);
 }
 
 bool BlockQuery::gather(const Bvh& tree, std::span<const QueryTriangle> leaves,
@@ -153,7 +154,7 @@ void BlockQuery::squaredDistances(std::span<const Local> all, std::span<const in
   storeLanes(least.data(), nearest);
 }
 
-void BlockQuery::descend(int level, const std::array<int, 3>& corner, const Visit& visit) {
+void BlockQuery::descend(int level, const std::array<int, 3>& corner, Visitor& visitor) {
   const int size = kChildSize[static_cast<std::size_t>(level)];
   Level& here = levels_[static_cast<std::size_t>(level)];
   const std::size_t count = here.list.size();
@@ -165,33 +166,64 @@ void BlockQuery::descend(int level, const std::array<int, 3>& corner, const Visi
   squaredDistances(locals_, here.list, centre, 0.5F * static_cast<float>(size), here.squared.data(),
                    least);
   const auto radius = static_cast<float>(radiusOf(size) * (1 + 1e-6));
+  std::array<float, 8> squaredLimit;
   for (std::size_t child = 0; child < 8; ++child) {
     const float nearest = std::sqrt(least[child]);
     const float slack = slackOf(nearest + 2 * radius);
-    if (nearest > reach_ + radius + slack) continue;
     const float limit = nearest + 2 * radius + 2 * slack;
-    const float squaredLimit = limit * limit;
-    const std::array<int, 3> first{corner[0] + size * static_cast<int>(child & 1U),
-                                   corner[1] + size * static_cast<int>(child >> 1 & 1U),
-                                   corner[2] + size * static_cast<int>(child >> 2)};
-    if (size > 1) {
-      std::vector<int>& next = levels_[static_cast<std::size_t>(level + 1)].list;
-      next.resize(count);
-      std::size_t kept = 0;
-      for (std::size_t i = 0; i < count; ++i) {
-        next[kept] = here.list[i];
-        kept += here.squared[8 * i + child] <= squaredLimit ? 1 : 0;
-      }
-      next.resize(kept);
-      descend(level + 1, first, visit);
-    } else {
-      candidates_.clear();
-      for (std::size_t i = 0; i < count; ++i) {
-        if (here.squared[8 * i + child] <= squaredLimit)
-          candidates_.push_back(locals_[static_cast<std::size_t>(here.list[i])].leaf);
-      }
-      visit((first[2] * kSize + first[1]) * kSize + first[0], candidates_);
+    squaredLimit[child] = nearest > reach_ + radius + slack ? -1 : limit * limit;
+  }
+  if (size == 1) {
+    visitNodes(corner, squaredLimit, visitor);
+    return;
+  }
+  for (std::size_t child = 0; child < 8; ++child) {
+    if (squaredLimit[child] < 0) continue;
+    std::vector<int>& next = levels_[static_cast<std::size_t>(level + 1)].list;
+    next.resize(count);
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      next[kept] = here.list[i];
+      kept += here.squared[8 * i + child] <= squaredLimit[child] ? 1 : 0;
     }
+    next.resize(kept);
+    descend(level + 1,
+            {corner[0] + size * static_cast<int>(child & 1U),
+             corner[1] + size * static_cast<int>(child >> 1 & 1U),
+             corner[2] + size * static_cast<int>(child >> 2)},
+            visitor);
+  }
+}
+
+void BlockQuery::visitNodes(const std::array<int, 3>& corner,
+                            const std::array<float, 8>& squaredLimit, Visitor& visitor) {
+  const Level& last = levels_.back();
+  const std::size_t count = last.list.size();
+  const auto leafOf = [&](std::size_t i) {
+    return locals_[static_cast<std::size_t>(last.list[i])].leaf;
+  };
+  unsigned once = 0;
+  unsigned more = 0;
+  nearTo_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    unsigned near = 0;
+    for (std::size_t child = 0; child < 8; ++child) {
+      near |= last.squared[8 * i + child] <= squaredLimit[child] ? 1U << child : 0U;
+    }
+    more |= once & near;
+    once |= near;
+    nearTo_[i] = near;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((nearTo_[i] & ~more) != 0) visitor.sole(corner, nearTo_[i] & ~more, leafOf(i));
+  }
+  for (unsigned left = more; left != 0; left &= left - 1) {
+    const auto child = static_cast<unsigned>(std::countr_zero(left));
+    candidates_.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+      if ((nearTo_[i] >> child & 1U) != 0) candidates_.push_back(leafOf(i));
+    }
+    visitor.several(nodeOf(corner, child), candidates_);
   }
 }
 

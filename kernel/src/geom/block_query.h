@@ -3,7 +3,6 @@
 
 #include <array>
 #include <cstdint>
-#include <functional>
 #include <span>
 #include <vector>
 
@@ -30,8 +29,15 @@ struct NodeBlock {
 class BlockQuery {
  public:
   static constexpr int kSize = 8;
-  /// Gets the number of a node in the block, x fastest, and positions in `leaves`.
-  using Visit = std::function<void(int node, std::span<const Index> candidates)>;
+  class Visitor;
+
+  /// Number of the node beyond a corner by the bits of `child` along x, y and z.
+  static int nodeOf(const std::array<int, 3>& corner, unsigned child) {
+    return ((corner[2] + static_cast<int>(child >> 2)) * kSize + corner[1] +
+            static_cast<int>(child >> 1 & 1U)) *
+               kSize +
+           corner[0] + static_cast<int>(child & 1U);
+  }
 
   /// Visits every node not farther than `reach` (infinity: all), and some little farther, with the
   /// few triangles that are nearest up to rounding in single precision: those nearest in truth are
@@ -39,7 +45,7 @@ class BlockQuery {
   /// tree; a triangle may be there several times. `start`, one of the
   /// triangles, thought to be near the block's centre, spares a search; null: none.
   void run(const Bvh& tree, std::span<const QueryTriangle> leaves, const NodeBlock& block,
-           double reach, const QueryTriangle* start, const Visit& visit);
+           double reach, const QueryTriangle* start, Visitor& visitor);
 
  private:
   /// A triangle in units of the spacing around the block's centre, as linear functions there: good
@@ -66,7 +72,9 @@ class BlockQuery {
   bool gather(const Bvh& tree, std::span<const QueryTriangle> leaves, const NodeBlock& block,
               double reach, const QueryTriangle* start);
   static Local localOf(const QueryTriangle& t, const Vec3& centre, double spacing);
-  void descend(int level, const std::array<int, 3>& corner, const Visit& visit);
+  void descend(int level, const std::array<int, 3>& corner, Visitor& visitor);
+  void visitNodes(const std::array<int, 3>& corner, const std::array<float, 8>& squaredLimit,
+                  Visitor& visitor);
   static void squaredDistances(std::span<const Local> all, std::span<const int> list,
                                const std::array<float, 3>& centre, float step, float* squared,
                                std::array<float, 8>& least);
@@ -74,8 +82,19 @@ class BlockQuery {
   float reach_ = 0;
   std::vector<Index> gathered_;
   std::vector<Local> locals_;
-  std::array<Level, 3> levels_;  ///< children of 4, 2 and 1 nodes a side
+  std::array<Level, 3> levels_;   ///< children of 4, 2 and 1 nodes a side
+  std::vector<unsigned> nearTo_;  ///< per triangle of the last level: bits of the nodes it may win
   std::vector<Index> candidates_;
+};
+
+/// Numbers of nodes in a block are x fastest, candidates are positions in `leaves`.
+class BlockQuery::Visitor {
+ public:
+  virtual ~Visitor() = default;
+  virtual void several(int node, std::span<const Index> candidates) = 0;
+  /// Nodes with one candidate in common, among the eight from `corner` on: bit c of `which` names
+  /// nodeOf(corner, c).
+  virtual void sole(const std::array<int, 3>& corner, unsigned which, Index candidate) = 0;
 };
 
 }  // namespace phront

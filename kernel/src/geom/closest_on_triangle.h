@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/lanes.h"
 #include "phront/types.h"
 
 namespace phront {
@@ -107,23 +108,81 @@ inline void closestOnSide(const QueryTriangle& t, std::size_t k, const Vec3& x,
 
 }  // namespace detail
 
+/// The plane of a triangle, seen from a point: T is a number, or several side by side for as many
+/// points. Same bits for either.
+template <class T>
+struct AboveFace {
+  std::array<T, 3> weight;  ///< of each corner: twice the area opposite; all > 0: over the face
+  std::array<T, 3> point;   ///< foot along the normal, moved into the triangle's bounding box
+  T squared;                ///< distance to that point
+  T height;                 ///< the same along the normal: its sign tells the side
+};
+
+namespace detail {
+
+template <class T, class A, class B>
+PHRONT_INLINE T dot(const A& a, const B& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/// normal . ((to - from) x (x - from))
+template <class T>
+PHRONT_INLINE T areaLeftOf(const Vec3& normal, const Vec3& from, const Vec3& to,
+                           const std::array<T, 3>& x) {
+  const double e0 = to[0] - from[0];
+  const double e1 = to[1] - from[1];
+  const double e2 = to[2] - from[2];
+  const T v0 = x[0] - from[0];
+  const T v1 = x[1] - from[1];
+  const T v2 = x[2] - from[2];
+  return normal[0] * (e1 * v2 - e2 * v1) + normal[1] * (e2 * v0 - e0 * v2) +
+         normal[2] * (e0 * v1 - e1 * v0);
+}
+
+}  // namespace detail
+
+/// Where the face lies under x; the foot is right when all weights are positive and the triangle is
+/// well shaped.
+template <class T>
+PHRONT_INLINE AboveFace<T> aboveFace(const QueryTriangle& t, const std::array<T, 3>& x) {
+  const auto& [a, b, c] = t.corners;
+  AboveFace<T> result;
+  result.weight[0] = detail::areaLeftOf<T>(t.normal, b, c, x);
+  result.weight[1] = detail::areaLeftOf<T>(t.normal, c, a, x);
+  result.weight[2] = detail::areaLeftOf<T>(t.normal, a, b, x);
+  std::array<T, 3> v;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    v[axis] = x[axis] - a[static_cast<Eigen::Index>(axis)];
+  const T offPlane = detail::dot<T>(v, t.normal);
+  std::array<T, 3> gap;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto n = static_cast<Eigen::Index>(axis);
+    const T low = T{} + std::min({a[n], b[n], c[n]});
+    const T high = T{} + std::max({a[n], b[n], c[n]});
+    result.point[axis] = minOf<T>(maxOf<T>(x[axis] - offPlane * t.normal[n], low), high);
+    gap[axis] = x[axis] - result.point[axis];
+  }
+  result.squared = detail::dot<T>(gap, gap);
+  result.height = detail::dot<T>(gap, t.normal);
+  return result;
+}
+
 /// Closest point of t to x. The foot lies inside the triangle's bounding box to the last bit (see
 /// Bvh::squaredDistance), and its distance is measured to that very foot: rounding can never make a
 /// triangle look nearer than it is by more than the rounding of the foot itself.
 [[nodiscard]] inline TriangleFoot closestOnTriangle(const QueryTriangle& t, const Vec3& x) {
   TriangleFoot foot;
-  const Vec3& a = t.corners[0];
-  const Vec3& b = t.corners[1];
-  const Vec3& c = t.corners[2];
-  const double wc = t.normal.dot((b - a).cross(x - a));
-  const double wa = t.normal.dot((c - b).cross(x - b));
-  const double wb = t.normal.dot((a - c).cross(x - c));
+  const AboveFace<double> above = aboveFace<double>(t, {x[0], x[1], x[2]});
+  const auto [wa, wb, wc] = above.weight;
   if (wa > 0 && wb > 0 && wc > 0) {
     foot.barycentric = Vec3(wa, wb, wc) / (wa + wb + wc);
-    const Vec3 raw =
-        t.wellShaped
-            ? Vec3(x - t.normal.dot(x - a) * t.normal)
-            : Vec3(foot.barycentric[0] * a + foot.barycentric[1] * b + foot.barycentric[2] * c);
+    if (t.wellShaped) {
+      foot.point = Vec3(above.point[0], above.point[1], above.point[2]);
+      foot.squared = above.squared;
+      return foot;
+    }
+    const auto& [a, b, c] = t.corners;
+    const Vec3 raw = foot.barycentric[0] * a + foot.barycentric[1] * b + foot.barycentric[2] * c;
     foot.point = raw.cwiseMax(a.cwiseMin(b).cwiseMin(c)).cwiseMin(a.cwiseMax(b).cwiseMax(c));
     foot.squared = detail::squaredGap(x, foot.point);
     return foot;

@@ -17,12 +17,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numeric>
 
 #include "geom/block_query.h"
 #include "geom/bvh.h"
 #include "geom/closest_on_triangle.h"
+#include "geom/face_phi.h"
 #include "geom/mesh_topology.h"
 #include "geom/split_boxes.h"
 #include "geom/winding_number.h"
@@ -98,11 +100,10 @@ Result<void> checkInput(const TriMesh& mesh) {
   return {};
 }
 
-FootPoint toFootPoint(const TriangleFoot& foot, Index triangle, double onSurface) {
+FootPoint toFootPoint(const TriangleFoot& foot, Index triangle, double distance) {
   FootPoint result;
   result.point = foot.point;
-  result.distance = std::sqrt(foot.squared);
-  if (result.distance <= onSurface) result.distance = 0;
+  result.distance = distance;
   result.triangle = triangle;
   result.barycentric = foot.barycentric;
   result.kind = foot.kind;
@@ -172,7 +173,18 @@ struct SurfaceDistance::Impl {
       }
     }
   };
+  double distanceOf(double squared) const {
+    const double distance = std::sqrt(squared);
+    return distance <= onSurface ? 0 : distance;
+  }
+  FootPoint footOf(const Best& best) const {
+    return best.found() ? toFootPoint(best.foot, best.id, distanceOf(best.squared)) : FootPoint{};
+  }
   FootPoint finish(const Best& best, const Vec3& x) const;
+  /// Over this face, is the side of the face the sign?
+  bool faceTellsSide(Index id) const {
+    return parts.size() < 2 && !(closed && (untrusted[size(id)] & kFaceBit) != 0);
+  }
   Vec3 pseudonormal(const FootPoint& foot) const;
   double sideOf(const Vec3& x, const FootPoint& foot) const;
   double signAt(const Vec3& x, const FootPoint& foot) const;
@@ -377,7 +389,8 @@ double SurfaceDistance::Impl::sideOf(const Vec3& x, const FootPoint& foot) const
   if (closed && (untrusted[size(foot.triangle)] & bit) != 0) {
     return timesAround(x) > 0 ? -1 : 1;
   }
-  return (x - foot.point).dot(pseudonormal(foot)) < 0 ? -1 : 1;
+  const Vec3 gap = x - foot.point;
+  return detail::dot<double>(gap, pseudonormal(foot)) < 0 ? -1 : 1;
 }
 
 double SurfaceDistance::Impl::signAt(const Vec3& x, const FootPoint& foot) const {
@@ -403,7 +416,7 @@ FootPoint SurfaceDistance::Impl::footOn(const SubTree& sub, const Vec3& x, doubl
   sub.tree.nearest(
       x, [&](Index i) { best.offer(triangle(sub.leaves[size(i)]), x); },
       [&] { return best.squared; });
-  return best.found() ? toFootPoint(best.foot, best.id, onSurface) : FootPoint{};
+  return footOf(best);
 }
 
 // Does the gap (query minus foot) lean outwards over a free side, within the triangle's plane?
@@ -434,8 +447,8 @@ bool SurfaceDistance::Impl::beyond(const Vec3& x, const FootPoint& foot) const {
 }
 
 FootPoint SurfaceDistance::Impl::finish(const Best& best, const Vec3& x) const {
-  if (!best.found()) return {};
-  FootPoint foot = toFootPoint(best.foot, best.id, onSurface);
+  FootPoint foot = footOf(best);
+  if (foot.triangle == kNone) return foot;
   foot.sign = signAt(x, foot);
   foot.beyondBorder = beyond(x, foot);
   return foot;
@@ -477,26 +490,58 @@ FootPoint SurfaceDistance::footFrom(const Vec3& x, Index start) const {
   return s.finish(best, x);
 }
 
+struct SurfaceDistance::BlockVisitor final : BlockQuery::Visitor {
+  const Impl& surface;
+  NodeBlock block;
+  double reach;
+  BlockPhi result;
+
+  BlockVisitor(const Impl& s, const NodeBlock& nodes, double within)
+      : surface(s), block(nodes), reach(within) {}
+
+  void several(int node, std::span<const Index> candidates) override {
+    const Vec3 x = block.position(node);
+    Impl::Best best;
+    for (const Index i : candidates) best.offer(surface.nearLeaves[size(i)], x);
+    const FootPoint foot = surface.finish(best, x);
+    hold(node, foot.distance, foot.sign, foot.beyondBorder ? kNone : foot.triangle);
+  }
+
+  void sole(const std::array<int, 3>& corner, unsigned which, Index candidate) override {
+    const QueryTriangle& t = surface.nearLeaves[size(candidate)];
+    FacePhi face;
+    if (t.wellShaped && surface.faceTellsSide(t.id)) face = facePhi(t, block, corner);
+    for (unsigned left = which; left != 0; left &= left - 1) {
+      const auto c = static_cast<unsigned>(std::countr_zero(left));
+      const int node = BlockQuery::nodeOf(corner, c);
+      if ((face.over >> c & 1U) == 0) {
+        several(node, {&candidate, 1});
+        continue;
+      }
+      const double distance = surface.distanceOf(face.squared[c]);
+      hold(node, distance, distance > 0 && face.height[c] < 0 ? -1 : 1, t.id);
+    }
+  }
+
+ private:
+  void hold(int node, double distance, double sign, Index triangle) {
+    if (!(distance <= reach)) return;
+    result.held[size(node >> 6)] |= std::uint64_t{1} << (node & 63);
+    result.phi[size(node)] = sign * distance;
+    result.triangle[size(node)] = triangle;
+  }
+};
+
 BlockPhi SurfaceDistance::phiOnBlock(const Vec3& origin, double spacing,
                                      const std::array<std::int32_t, 3>& first, double reach,
                                      Index start) const {
   const Impl& s = *impl_;
   static thread_local BlockQuery query;  // for its memory
-  const NodeBlock block{origin, spacing, first};
-  BlockPhi result;
+  BlockVisitor visitor(s, NodeBlock{origin, spacing, first}, reach);
   const bool known = start >= 0 && size(start) < s.leafOf.size();
-  query.run(s.nearTree, s.nearLeaves, block, reach, known ? &s.triangle(start) : nullptr,
-            [&](int node, std::span<const Index> candidates) {
-              const Vec3 x = block.position(node);
-              Impl::Best best;
-              for (const Index i : candidates) best.offer(s.nearLeaves[size(i)], x);
-              const FootPoint foot = s.finish(best, x);
-              if (!(foot.distance <= reach)) return;
-              result.held[size(node >> 6)] |= std::uint64_t{1} << (node & 63);
-              result.phi[size(node)] = foot.phi();
-              result.triangle[size(node)] = foot.beyondBorder ? kNone : foot.triangle;
-            });
-  return result;
+  query.run(s.nearTree, s.nearLeaves, visitor.block, reach, known ? &s.triangle(start) : nullptr,
+            visitor);
+  return visitor.result;
 }
 
 FootPoint SurfaceDistance::footOnFace(const Vec3& x, Index face, double reach) const {
@@ -517,7 +562,7 @@ FootPoint SurfaceDistance::footOnTriangle(const Vec3& x, Index triangle) const {
   if (triangle < 0 || size(triangle) >= s.leafOf.size()) return {};
   Impl::Best best;
   best.offer(s.triangle(triangle), x);
-  return best.found() ? toFootPoint(best.foot, best.id, s.onSurface) : FootPoint{};
+  return s.footOf(best);
 }
 
 Feature SurfaceDistance::featureOf(const FootPoint& foot) const {
