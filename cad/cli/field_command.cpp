@@ -55,7 +55,8 @@ int runField(const FieldArguments& arguments) {
     return reportError(ok.error());
   Result<TriMesh> mesh = surfaceOf(arguments, *spacing);
   if (!mesh) return reportError(mesh.error());
-  const Result<SurfaceDistance> surface = SurfaceDistance::build(std::move(*mesh));
+  const Result<SurfaceDistance> surface =
+      SurfaceDistance::build(std::move(*mesh), SignRule::Topology, *spacing);
   if (!surface) return reportError(surface.error());
   FieldOptions options;
   if (arguments.solver == "godunov") options.solver = FieldSolver::Godunov;

@@ -32,7 +32,7 @@ Result<TriMesh> readSurface(const std::filesystem::path& path, const CommonOptio
   if (!found.closedManifold() && !options.quiet)
     fmt::print(stderr,
                "warning: the mesh is not a closed surface ({} free, {} non-manifold, {} "
-               "misoriented edges, {} degenerate triangles); the result may have borders\n",
+               "misoriented edges, {} degenerate triangles)\n",
                found.freeEdges, found.nonManifoldEdges, found.misorientedEdges,
                found.degenerateTriangles);
   return std::move(oriented.mesh);

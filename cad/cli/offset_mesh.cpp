@@ -26,7 +26,9 @@ struct MeshOffset {
   TriMesh mesh;
   double p99 = 0;  ///< 99th percentile by area of |phi - d| at triangle centres
   double largest = 0;
-  Index stopped = 0;  ///< nodes that met another front before d
+  Index stopped = 0;     ///< nodes that met another front before d
+  bool bridged = false;  ///< gaps in the surface did not count
+  bool open = false;     ///< so the result may be, too
 };
 
 // Area-weighted | phi - d | at the triangles' centres and corners.
@@ -63,9 +65,13 @@ double toleranceOf(std::optional<double> asked, double distance) {
 
 Result<MeshOffset> offsetOne(TriMesh mesh, double distance, bool parametric, double tolerance,
                              const CommonOptions& options, const Progress& progress) {
-  const Result<SurfaceDistance> surface = SurfaceDistance::build(std::move(mesh));
+  // The front passes over what is narrower than |d| as if it were not there.
+  const Result<SurfaceDistance> surface =
+      SurfaceDistance::build(std::move(mesh), SignRule::Topology, std::abs(distance));
   if (!surface) return tl::unexpected(surface.error());
   MeshOffset offset;
+  offset.open = !surface->closed();
+  offset.bridged = surface->closed() && !surface->watertight();
   if (parametric) {
     AdvectOptions advect;
     advect.distance = distance;
@@ -147,6 +153,13 @@ int offsetMeshFile(const std::filesystem::path& in, const std::filesystem::path&
   if (!offset) {
     endProgress(options);
     return reportError(offset.error());
+  }
+  if ((offset->bridged || offset->open) && !options.quiet) {
+    endProgress(options);
+    fmt::print(stderr, "warning: {}\n",
+               offset->bridged
+                   ? "gaps in the mesh, all narrower than |d|, were bridged"
+                   : "openings of the mesh are not offset; the result has borders there");
   }
   return finish(*offset, *mesh, in, out, distance, parametric, tolerance, options);
 }

@@ -49,12 +49,17 @@ class SurfaceDistance {
   /// indices out of range, and closed meshes with a triangle turned against its neighbour: they
   /// have no inside (orient() mends them). Degenerate triangles are accepted (they count as
   /// segments or points), duplicate ones too; a triangle and its reverse make a hole.
+  /// `gap` (model units): where every free edge faces another one within it, the surface counts as
+  /// closed; the winding number tells the sign beside the gaps, and phi jumps by up to their width
+  /// across them. 0: free edges are borders.
   [[nodiscard]] static Result<SurfaceDistance> build(TriMesh mesh,
-                                                     SignRule rule = SignRule::Topology);
+                                                     SignRule rule = SignRule::Topology,
+                                                     double gap = 0);
 
   [[nodiscard]] const TriMesh& mesh() const;
   [[nodiscard]] const Box3& box() const;
-  [[nodiscard]] bool closed() const;  ///< no free edges
+  [[nodiscard]] bool closed() const;      ///< no free edges, or gaps only
+  [[nodiscard]] bool watertight() const;  ///< no free edges
 
   /// Closest point of the whole surface. `reach` bounds the search: beyond it triangle == kNone.
   [[nodiscard]] FootPoint foot(const Vec3& x,

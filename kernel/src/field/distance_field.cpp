@@ -100,7 +100,7 @@ class FieldBuilder {
   }
 
   Result<void> sweep(const BandGrid& grid, const Progress& progress) {
-    if (!surface_.closed()) {
+    if (!surface_.watertight()) {
       return fail(
           ErrorCode::InvalidArgument,
           "Sweeping needs a closed surface: beyond a border there is no sign to spread. Use "

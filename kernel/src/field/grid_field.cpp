@@ -112,6 +112,9 @@ void spreadSigns(const NodeGrid& grid, const std::vector<double>& exact, std::ve
   }
 }
 
+bool isWatertight(const CurveDistance& curves) { return curves.closed(); }
+bool isWatertight(const SurfaceDistance& surface) { return surface.watertight(); }
+
 template <class Geometry>
 Result<GridField> solve(const NodeGrid& grid, const Geometry& geometry,
                         const GridFieldOptions& options, const Progress& progress) {
@@ -147,7 +150,7 @@ Result<GridField> solve(const NodeGrid& grid, const Geometry& geometry,
   for (std::size_t n = 0; n < exact->size(); ++n) {
     if (field.seed[n]) field.phi[n] = (*exact)[n];
   }
-  if (geometry.closed()) {
+  if (isWatertight(geometry)) {
     spreadSigns(grid, *exact, field.phi);
     return field;
   }

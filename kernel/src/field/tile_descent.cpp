@@ -21,8 +21,8 @@ constexpr double kSlack = 1 + 1e-9;    // of block radii: swallows the rounding 
 constexpr double kMaxTiles = 1 << 26;  // per axis: node numbers stay far inside 32 bits
 constexpr std::int64_t kGrain = 64;    // blocks per task: about 0.1 ms
 
-bool meetsBand(const BandGrid& grid, bool closed, const FootPoint& foot, double radius) {
-  if (closed) return foot.phi() + radius >= grid.bandMin && foot.phi() - radius <= grid.bandMax;
+bool meetsBand(const BandGrid& grid, bool watertight, const FootPoint& foot, double radius) {
+  if (watertight) return foot.phi() + radius >= grid.bandMin && foot.phi() - radius <= grid.bandMax;
   const bool across = grid.bandMin <= 0 && grid.bandMax >= 0;
   const double nearest = across ? 0 : std::min(std::abs(grid.bandMin), std::abs(grid.bandMax));
   const double farthest = std::max(std::abs(grid.bandMin), std::abs(grid.bandMax));
@@ -46,7 +46,7 @@ std::vector<TileSeed> keepMeeting(const SurfaceDistance& surface, const BandGrid
                               Vec3::Constant(toCentre);
           const FootPoint foot = surface.footFrom(centre, block.triangle);
           block.triangle = foot.triangle;
-          keep[i] = meetsBand(grid, surface.closed(), foot, radius) ? 1 : 0;
+          keep[i] = meetsBand(grid, surface.watertight(), foot, radius) ? 1 : 0;
         }
       });
   std::size_t kept = 0;
@@ -78,7 +78,7 @@ std::vector<TileSeed> cutInEight(const std::vector<TileSeed>& blocks, int level)
 Result<std::vector<TileSeed>> tilesOfBand(const SurfaceDistance& surface, const BandGrid& grid,
                                           const Progress& progress) {
   const double tile = DistanceField::kTileSize * grid.spacing;
-  const double reach = surface.closed() ? std::max(grid.bandMax, 0.0)
+  const double reach = surface.watertight() ? std::max(grid.bandMax, 0.0)
                                         : std::max(std::abs(grid.bandMin), std::abs(grid.bandMax));
   const Vec3 margin = Vec3::Constant(reach + grid.spacing);
   const Vec3 low = (surface.box().min() - margin - grid.origin) / tile;

@@ -146,7 +146,7 @@ class LevelGridBuilder {
   }
 
   [[nodiscard]] double boundOf(const FootPoint& foot) const {
-    return surface_.closed() ? std::abs(foot.phi() - options_.level)
+    return surface_.watertight() ? std::abs(foot.phi() - options_.level)
                              : std::abs(foot.distance - std::abs(options_.level));
   }
 

@@ -9,8 +9,8 @@
 // holds the foot (Baerentzen & Aanaes, "Signed distance computation using the angle weighted
 // pseudonormal", 2005). Weak spots: their proof needs an embedded 2-manifold. Where a closed mesh
 // is not one (edges of more than two triangles, points with several fans, zero-area triangles,
-// triangles folded back onto their neighbour) the sign is asked of the winding number instead. A
-// closed mesh whose triangles disagree about the outside has no sign and is refused; one that
+// triangles folded back onto their neighbour, gaps that do not count) the sign is asked of the
+// winding number instead. A closed mesh whose triangles disagree about the outside has no sign and is refused; one that
 // intersects itself elsewhere has none near the sheets inside it.
 #include "phront/surface_distance.h"
 
@@ -25,6 +25,7 @@
 #include "geom/bvh.h"
 #include "geom/closest_on_triangle.h"
 #include "geom/face_phi.h"
+#include "geom/gaps.h"
 #include "geom/mesh_topology.h"
 #include "geom/split_boxes.h"
 #include "geom/winding_number.h"
@@ -116,7 +117,8 @@ FootPoint toFootPoint(const TriangleFoot& foot, Index triangle, double distance)
 struct SurfaceDistance::Impl {
   TriMesh mesh;
   Box3 box;
-  bool closed = true;
+  bool closed = true;                              // but for gaps
+  bool watertight = true;                          // no free sides
   std::array<Index, 2> disagreeing{kNone, kNone};  // neighbours turned against one another
   double onSurface = 0;
 
@@ -149,12 +151,12 @@ struct SurfaceDistance::Impl {
   std::vector<Vec3> pointNormals;
   std::vector<std::uint8_t> untrusted;
 
-  Impl(TriMesh input, SignRule rule);
+  Impl(TriMesh input, SignRule rule, double gap);
   void buildTrees(const TriangleBoxes& cover);
   void buildFaceTrees(const TriangleBoxes& cover);
   void buildParts(const MeshEdges& edges, const TriangleBoxes& cover);
   SubTree subTree(const TriangleBoxes& cover, std::vector<Index> pieces) const;
-  void buildTopology(const MeshEdges& edges);
+  void buildTopology(const MeshEdges& edges, double gap);
   void buildTrust(const MeshEdges& edges);
 
   const QueryTriangle& triangle(Index id) const { return leaves[size(leafOf[size(id)])]; }
@@ -191,17 +193,20 @@ struct SurfaceDistance::Impl {
   FootPoint footOn(const SubTree& sub, const Vec3& x, double reach) const;
   bool leansOver(const Vec3& gap, Index side) const;
   bool beyond(const Vec3& x, const FootPoint& foot) const;
-  int timesAround(const Vec3& x) const { return winding.timesAround(x, bvh, leaves); }
+  int timesAround(const Vec3& x) const {
+    return watertight ? winding.timesAround(x, bvh, leaves)
+                      : static_cast<int>(std::lround(winding.at(x, bvh, leaves)));
+  }
 };
 
-SurfaceDistance::Impl::Impl(TriMesh input, SignRule rule)
+SurfaceDistance::Impl::Impl(TriMesh input, SignRule rule, double gap)
     : mesh(std::move(input)), box(boundingBox(mesh)) {
   const double largest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
   onSurface = kOnSurfaceUlps * std::numeric_limits<double>::epsilon() * largest;
   const TriangleBoxes cover = splitBoxes(mesh);
   buildTrees(cover);
   const MeshEdges edges = meshEdges(mesh);
-  buildTopology(edges);
+  buildTopology(edges, gap);
   buildTrust(edges);
   if (closed && rule == SignRule::Union) buildParts(edges, cover);
 }
@@ -304,11 +309,12 @@ void SurfaceDistance::Impl::buildParts(const MeshEdges& edges, const TriangleBox
   }
 }
 
-void SurfaceDistance::Impl::buildTopology(const MeshEdges& edges) {
+void SurfaceDistance::Impl::buildTopology(const MeshEdges& edges, double gap) {
+  std::vector<Index> freeSides;
   across.assign(3 * mesh.triangles.size(), kFree);
   for (const MeshEdge& edge : edges.edges) {
     const auto sides = edges.sidesOf(edge);
-    if (sides.size() == 1) closed = false;
+    if (sides.size() == 1) freeSides.push_back(sides[0]);
     if (sides.size() == 2) {
       across[size(sides[0])] = sides[1];
       across[size(sides[1])] = sides[0];
@@ -319,6 +325,8 @@ void SurfaceDistance::Impl::buildTopology(const MeshEdges& edges) {
       for (const Index side : sides) across[size(side)] = kSeveral;
     }
   }
+  watertight = freeSides.empty();
+  closed = watertight || (gap > 0 && onlyGaps(mesh, freeSides, gap));
   rings = pointRings(mesh);
   pointNormals.assign(mesh.points.size(), Vec3::Zero());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -347,7 +355,8 @@ void SurfaceDistance::Impl::buildTrust(const MeshEdges& edges) {
   std::vector<bool> badPoint = splitPoints(mesh, edges);
   for (std::size_t t = 0; t < count; ++t) {
     for (std::size_t k = 0; k < 3; ++k) {
-      if (!bad[t] && across[3 * t + k] != kSeveral) continue;
+      const bool astray = across[3 * t + k] == kSeveral || across[3 * t + k] == kFree;
+      if (!bad[t] && !astray) continue;
       badPoint[size(mesh.triangles[t][k])] = true;
       badPoint[size(mesh.triangles[t][(k + 1) % 3])] = true;
     }
@@ -357,7 +366,7 @@ void SurfaceDistance::Impl::buildTrust(const MeshEdges& edges) {
     if (bad[t]) untrusted[t] |= kFaceBit;
     for (std::size_t k = 0; k < 3; ++k) {
       const Index other = across[3 * t + k];
-      if (bad[t] || other == kSeveral || (other >= 0 && bad[size(other / 3)])) {
+      if (bad[t] || other == kSeveral || other == kFree || (other >= 0 && bad[size(other / 3)])) {
         untrusted[t] |= sideBit(k);
       }
       if (badPoint[size(mesh.triangles[t][k])]) untrusted[t] |= cornerBit(k);
@@ -454,9 +463,9 @@ FootPoint SurfaceDistance::Impl::finish(const Best& best, const Vec3& x) const {
   return foot;
 }
 
-Result<SurfaceDistance> SurfaceDistance::build(TriMesh mesh, SignRule rule) {
+Result<SurfaceDistance> SurfaceDistance::build(TriMesh mesh, SignRule rule, double gap) {
   if (auto ok = checkInput(mesh); !ok) return tl::unexpected(ok.error());
-  auto impl = std::make_unique<const Impl>(std::move(mesh), rule);
+  auto impl = std::make_unique<const Impl>(std::move(mesh), rule, gap);
   if (const auto [a, b] = impl->disagreeing; impl->closed && a != kNone) {
     return fail(ErrorCode::InvalidArgument,
                 fmt::format("Triangles {} and {} of the closed surface disagree about its outside; "
@@ -470,6 +479,7 @@ Result<SurfaceDistance> SurfaceDistance::build(TriMesh mesh, SignRule rule) {
 const TriMesh& SurfaceDistance::mesh() const { return impl_->mesh; }
 const Box3& SurfaceDistance::box() const { return impl_->box; }
 bool SurfaceDistance::closed() const { return impl_->closed; }
+bool SurfaceDistance::watertight() const { return impl_->watertight; }
 
 FootPoint SurfaceDistance::foot(const Vec3& x, double reach) const {
   const Impl& s = *impl_;
