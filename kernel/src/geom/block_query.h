@@ -42,8 +42,8 @@ class BlockQuery {
   /// Visits every node not farther than `reach` (infinity: all), and some little farther, with the
   /// few triangles that are nearest up to rounding in single precision: those nearest in truth are
   /// among them, ties included, each once and by increasing id. `leaves` are in the order of the
-  /// tree; a triangle may be there several times. `start`, one of the
-  /// triangles, thought to be near the block's centre, spares a search; null: none.
+  /// tree; a triangle may be there several times. `start`, one of the triangles, thought to be near
+  /// the block's centre, spares a search; null: none.
   void run(const Bvh& tree, std::span<const QueryTriangle> leaves, const NodeBlock& block,
            double reach, const QueryTriangle* start, Visitor& visitor);
 

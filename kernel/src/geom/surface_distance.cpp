@@ -10,8 +10,8 @@
 // pseudonormal", 2005). Weak spots: their proof needs an embedded 2-manifold. Where a closed mesh
 // is not one (edges of more than two triangles, points with several fans, zero-area triangles,
 // triangles folded back onto their neighbour, gaps that do not count) the sign is asked of the
-// winding number instead. A closed mesh whose triangles disagree about the outside has no sign and is refused; one that
-// intersects itself elsewhere has none near the sheets inside it.
+// winding number instead. A closed mesh whose triangles disagree about the outside has no sign and
+// is refused; one that intersects itself elsewhere has none near the sheets inside it.
 #include "phront/surface_distance.h"
 
 #include <fmt/format.h>
