@@ -68,6 +68,7 @@ TEST(Gaps, ClosedWhenTheyAreNarrower) {
 // Their free edges are short and near each other, but none faces another one.
 TEST(Gaps, RimsOfOpeningsAreNone) {
   EXPECT_FALSE(built(test::sheet(20), 0.3).closed());
+  EXPECT_FALSE(built(test::sheet(4), 10).closed());  // smaller than the gap as a whole
   TriMesh cup = test::icosphere(4);
   std::erase_if(cup.triangles,
                 [&](const auto& t) { return cup.points[static_cast<std::size_t>(t[0])][2] > 0.8; });
