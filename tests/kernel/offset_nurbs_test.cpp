@@ -208,6 +208,10 @@ TEST(OffsetNurbsCurve, CornersAndBadNumbersAreRefused) {
   EXPECT_NE(refused(line, options).find("2 poles"), std::string::npos);
   line.knots.flat = {0, 0, 1, 0.5};
   EXPECT_NE(refused(line, options).find("knots"), std::string::npos);
+  // Two poles in one place at the end: no tangent there.
+  EXPECT_NE(refused(bezier({{0, 0, 0}, {1, 1, 0}, {2, 0, 0}, {2, 0, 0}}), options)
+                .find("no normal at parameter 1"),
+            std::string::npos);
   const NurbsCurve wave = bezier({{0, 0, 0}, {1, 2, 0}, {2, -2, 0}, {3, 0, 0}});
   EXPECT_NE(refused(wave, {.distance = 0.1, .tolerance = 1e-12, .maxPoles = 50}).find("50 poles"),
             std::string::npos);
@@ -238,6 +242,19 @@ TEST(OffsetNurbsSurface, RationalCylinderSphereAndTorusAreExact) {
       EXPECT_NEAR(std::hypot(p.head<2>().norm() - 3, p[2]), 1.5, 1e-12);
     }
   }
+}
+
+TEST(OffsetNurbsSurface, EdgesAndSurfacesThatAreNoneAreRefused) {
+  const NurbsOffsetOptions options{.distance = 0.1, .tolerance = 1e-3};
+  NurbsCurve corner;
+  corner.knots = {1, {0, 0, 1, 2, 2}};
+  corner.poles = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+  const auto folded = offsetNurbs(extruded(corner, Vec3(0, 0, 1)), options);
+  ASSERT_FALSE(folded.has_value());
+  EXPECT_NE(folded.error().message.find("edge at u = 1"), std::string::npos);
+  const auto flat = offsetNurbs(extruded(corner, Vec3::Zero()), options);
+  ASSERT_FALSE(flat.has_value());
+  EXPECT_NE(flat.error().message.find("no normal anywhere"), std::string::npos);
 }
 
 TEST(OffsetNurbsSurface, BicubicPatchKeepsTheTolerance) {

@@ -1,7 +1,6 @@
 // NURBS curves and surfaces as plain data, and their evaluation.
 #pragma once
 
-#include <array>
 #include <vector>
 
 #include "phront/status.h"

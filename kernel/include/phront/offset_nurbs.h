@@ -42,7 +42,8 @@ using CurveNormal = std::function<Vec3(double t)>;
 /// The offset keeps the original's knots where they do for the tolerance, else knots are added
 /// where the measured error asks for them. Of the two pole rules the one with fewer poles wins.
 /// Where |d| exceeds the radius of curvature the offset folds back, as P + d n does. Fails with
-/// InvalidArgument (bad numbers; a corner: offset the pieces), ResourceLimit (more than maxPoles).
+/// InvalidArgument (bad numbers; no normal; a corner: offset the pieces), ResourceLimit (more than
+/// maxPoles, or 1000 along one direction).
 [[nodiscard]] Result<CurveOffset> offsetNurbs(const NurbsCurve& curve, const CurveNormal& normal,
                                               const NurbsOffsetOptions& options);
 

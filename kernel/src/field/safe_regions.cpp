@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "base/parallel.h"
+#include "field/held_nodes.h"
 #include "geom/mesh_topology.h"
 
 namespace phront {
@@ -93,7 +94,7 @@ class Finder {
   void findPatches(std::size_t t) {
     std::array<Bits, 2> safe{};  // positive, negative
     const double least = kMoreThanHalf * field_.spacing();
-    forHeld(tiles_[t], [&](int n, double phi) {
+    forHeld(tiles_[t], phi_, [&](int n, double phi) {
       if (std::abs(phi) > least)
         safe[phi < 0 ? 1 : 0][static_cast<std::size_t>(n >> 6)] |= std::uint64_t{1} << (n & 63);
     });
@@ -104,7 +105,7 @@ class Finder {
         for (std::size_t k = 0; k < kLayers; ++k) left[k] &= ~bits[k];
       }
     }
-    forHeld(tiles_[t], [&](int n, double phi) {
+    forHeld(tiles_[t], phi_, [&](int n, double phi) {
       for (Patch& patch : patches_[t]) {
         const bool inside = (patch.bits[static_cast<std::size_t>(n >> 6)] >> (n & 63) & 1U) != 0;
         if (!inside || std::abs(phi) <= std::abs(patch.phi)) continue;
@@ -112,16 +113,6 @@ class Finder {
         patch.node = n;
       }
     });
-  }
-
-  /// visit(node, its phi) in the order of the slots.
-  template <class Visit>
-  void forHeld(const DistanceField::Tile& tile, const Visit& visit) const {
-    auto slot = static_cast<std::size_t>(tile.first);
-    for (std::size_t k = 0; k < kLayers; ++k) {
-      for (std::uint64_t left = tile.held[k]; left != 0; left &= left - 1)
-        visit(static_cast<int>(64 * k) + std::countr_zero(left), phi_[slot++]);
-    }
   }
 
   /// With the patches of the next tile along an axis.

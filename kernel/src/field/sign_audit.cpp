@@ -15,6 +15,7 @@
 #include <cmath>
 
 #include "base/parallel.h"
+#include "field/held_nodes.h"
 #include "field/safe_regions.h"
 
 namespace phront {
@@ -86,21 +87,9 @@ class Auditor {
   void readSigns(std::size_t t) {
     Bits& bits = negative_[t];
     bits = {};
-    forHeld(tiles_[t], [&](int n, double phi) {
+    forHeld(tiles_[t], phi_, [&](int n, double phi) {
       if (phi < 0) bits[static_cast<std::size_t>(n >> 6)] |= std::uint64_t{1} << (n & 63);
     });
-  }
-
-  /// visit(node, its phi) in the order of the slots.
-  template <class Visit>
-  void forHeld(const Tile& tile, const Visit& visit) const {
-    auto slot = static_cast<std::size_t>(tile.first);
-    for (int k = 0; k < kSize; ++k) {
-      for (std::uint64_t left = tile.held[static_cast<std::size_t>(k)]; left != 0;
-           left &= left - 1) {
-        visit(64 * k + std::countr_zero(left), phi_[slot++]);
-      }
-    }
   }
 
   bool inMaterial(const Vec3& x) const { return surface_.timesAround(x) > threshold_; }
@@ -112,7 +101,7 @@ class Auditor {
   bool farthestAgrees(std::size_t t) const {
     double farthest = 0;
     int node = -1;
-    forHeld(tiles_[t], [&](int n, double phi) {
+    forHeld(tiles_[t], phi_, [&](int n, double phi) {
       if (node >= 0 && std::abs(phi) <= std::abs(farthest)) return;
       farthest = phi;
       node = n;
@@ -188,7 +177,7 @@ class Auditor {
   std::int64_t resign(std::size_t t) {
     std::int64_t turned = 0;
     const Tile& tile = tiles_[t];
-    forHeld(tile, [&](int n, double& phi) {
+    forHeld(tile, phi_, [&](int n, double& phi) {
       if (phi == 0) return;
       const double side = inMaterial(field_.position(field_.node(tile, n))) ? -1 : 1;
       turned += side * phi < 0 ? 1 : 0;

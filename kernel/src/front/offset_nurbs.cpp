@@ -12,7 +12,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "front/spline_fit.h"
@@ -21,6 +23,8 @@ namespace phront {
 namespace {
 
 constexpr int kMostRounds = 40;
+constexpr std::size_t kMostAlong = 1000;    // poles along a direction: the solver is dense
+constexpr double kNarrowest = 1e-8;         // span of the domain: where cutting does not help
 constexpr int kMostPieces = 4;              // of a span in one round
 constexpr double kShareOfDirection = 0.45;  // of the tolerance, for u and v each
 constexpr double kTighter = 0.7;            // when both together miss the tolerance
@@ -53,6 +57,7 @@ double apart(const Row& a, const Row& b) {
   for (Eigen::Index k = 0; k + 3 < a.size(); k += 4) {
     const Vec3 gap =
         a.segment<3>(k).transpose() / a[k + 3] - b.segment<3>(k).transpose() / b[k + 3];
+    if (!gap.allFinite()) return std::numeric_limits<double>::infinity();
     most = std::max(most, gap.norm());
   }
   return most;
@@ -93,14 +98,26 @@ Knots refined(const Knots& knots, const std::vector<double>& errors, double tole
   return withKnots(knots, added);
 }
 
+/// Width of the narrowest span that is to be cut.
+double narrowest(const Knots& knots, const std::vector<double>& errors, double tolerance) {
+  const std::vector<double> ends = knots.distinct();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    if (errors[k] > tolerance) least = std::min(least, ends[k + 1] - ends[k]);
+  }
+  return least;
+}
+
 using PolesOf = std::function<Eigen::MatrixXd(const Knots&)>;
 
 /// Knots for which the poles are right within the tolerance; none when there would be too many.
 std::optional<Knots> knotsFor(Knots knots, const PolesOf& polesOf, const Lines& target,
                               double tolerance, int orderOfError, std::size_t maxPoles) {
-  for (int round = 0; round < kMostRounds && knots.poleCount() <= maxPoles; ++round) {
+  const std::size_t most = std::min(maxPoles, kMostAlong);
+  for (int round = 0; round < kMostRounds && knots.poleCount() <= most; ++round) {
     const std::vector<double> errors = spanErrors(knots, polesOf(knots), target);
     if (*std::max_element(errors.begin(), errors.end()) <= tolerance) return knots;
+    if (narrowest(knots, errors, tolerance) < kNarrowest * (knots.last() - knots.first())) break;
     knots = refined(knots, errors, tolerance, orderOfError);
   }
   return std::nullopt;
@@ -142,8 +159,9 @@ Result<void> checkOptions(const NurbsOffsetOptions& options) {
 
 tl::unexpected<Error> tooMany(const NurbsOffsetOptions& options) {
   return fail(ErrorCode::ResourceLimit,
-              fmt::format("The tolerance {:g} asks for more than {} poles; use a coarser one.",
-                          options.tolerance, options.maxPoles),
+              fmt::format("The tolerance {:g} asks for more than {} poles, or {} along one "
+                          "direction; use a coarser one.",
+                          options.tolerance, options.maxPoles, kMostAlong),
               "tolerance");
 }
 
@@ -166,7 +184,7 @@ class CurveOffsetter {
       : curve_(curve), normal_(normal), options_(options) {}
 
   Result<CurveOffset> run() const {
-    if (auto ok = checkCorners(); !ok) return tl::unexpected(ok.error());
+    if (auto ok = checkNormals(); !ok) return tl::unexpected(ok.error());
     const Lines moved = [this](double t) {
       const CurvePoint p = evaluate(curve_, t);
       return homogeneous(p.position + options_.distance * normal_(t), p.weight);
@@ -195,7 +213,15 @@ class CurveOffsetter {
   }
 
  private:
-  Result<void> checkCorners() const {
+  Result<void> checkNormals() const {
+    std::vector<double> parameters = densely(curve_.knots, samplesPerSpan(curve_.knots));
+    for (const double t : curve_.knots.greville()) parameters.push_back(t);
+    for (const double t : parameters) {
+      if (!(std::abs(normal_(t).norm() - 1) <= kCorner)) {
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("The curve has no normal at parameter {:g}.", t), "curve");
+      }
+    }
     const std::vector<double> ends = curve_.knots.distinct();
     for (std::size_t k = 1; k + 1 < ends.size(); ++k) {
       const Vec3 before = normal_(ends[k] - kBesideKnot * (ends[k] - ends[k - 1]));
@@ -267,6 +293,13 @@ class SurfaceOffsetter {
   }
 
   Result<SurfaceOffset> run(const Progress& progress) const {
+    if (!(typical_ > 0)) {
+      return fail(ErrorCode::InvalidArgument,
+                  "The surface has no normal anywhere: it is a curve or a point.", "surface");
+    }
+    for (const bool u : {true, false}) {
+      if (auto ok = checkCorners(u); !ok) return tl::unexpected(ok.error());
+    }
     const auto most = static_cast<std::size_t>(options_.maxPoles);
     std::optional<SurfaceOffset> best;
     double share = kShareOfDirection;
@@ -312,6 +345,26 @@ class SurfaceOffsetter {
   Row moved(double u, double v) const {
     const SurfacePoint p = evaluate(surface_, u, v);
     return homogeneous(p.position + options_.distance * normal(u, v), p.weight);
+  }
+
+  /// Across the inner knots along u or v.
+  [[nodiscard]] Result<void> checkCorners(bool u) const {
+    const std::vector<double> ends = (u ? surface_.u : surface_.v).distinct();
+    const std::vector<double> across = linesAcross(u ? surface_.v : surface_.u);
+    const auto normalAt = [&](double t, double s) { return u ? normal(t, s) : normal(s, t); };
+    for (std::size_t k = 1; k + 1 < ends.size(); ++k) {
+      for (const double s : across) {
+        const Vec3 before = normalAt(ends[k] - kBesideKnot * (ends[k] - ends[k - 1]), s);
+        const Vec3 after = normalAt(ends[k] + kBesideKnot * (ends[k + 1] - ends[k]), s);
+        if ((before - after).norm() <= kCorner) continue;
+        return fail(ErrorCode::InvalidArgument,
+                    fmt::format("The surface has an edge at {} = {:g}; offset the pieces on both "
+                                "sides of it.",
+                                u ? 'u' : 'v', ends[k]),
+                    "surface");
+      }
+    }
+    return {};
   }
 
   static std::vector<double> linesAcross(const Knots& knots) {
