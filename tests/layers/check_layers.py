@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Includes go down only.
 
-kernel: base < geom < field < front < layers < io; no topology of OpenCASCADE.
+kernel: base < geom < nurbs < field < front < layers < io; no topology of OpenCASCADE.
 cad:    of the kernel only its public headers (phront/*.h).
 cli, python, freecad, samples: public headers only.
 Public headers: public headers only; OpenCASCADE in phront/cad/shape_occt.h alone.
@@ -13,7 +13,7 @@ import re
 import sys
 from pathlib import Path
 
-LAYERS = ["base", "geom", "field", "front", "layers", "io"]
+LAYERS = ["base", "geom", "nurbs", "field", "front", "layers", "io"]
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]', re.MULTILINE)
 # OpenCASCADE headers are Package_Class.hxx or Package.hxx; the kernel may see pure geometry only:
 # these packages of TKernel, TKMath, TKG2d and TKG3d.

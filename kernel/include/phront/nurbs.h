@@ -25,6 +25,12 @@ struct Knots {
   [[nodiscard]] std::vector<double> greville() const;
 };
 
+/// Of a parameter.
+struct Interval {
+  double low = 0;
+  double high = 0;
+};
+
 struct NurbsCurve {
   Knots knots;
   std::vector<Vec3> poles;
@@ -38,6 +44,7 @@ struct NurbsSurface {
 };
 
 /// Fails with InvalidArgument and says which number is wrong.
+[[nodiscard]] Result<void> checkKnots(const Knots& knots);
 [[nodiscard]] Result<void> checkNurbs(const NurbsCurve& curve);
 [[nodiscard]] Result<void> checkNurbs(const NurbsSurface& surface);
 

@@ -8,28 +8,35 @@
 
 namespace phront {
 
+/// Which knots an offset may have. Parameters are kept by both: S_d(u,v) stems from S(u,v).
+enum class KnotRule {
+  Original,  ///< degree and knots of the original; more knots only where the error asks for them
+  Fewest,    ///< those, or another degree and other knots when that takes fewer poles
+};
+
 struct NurbsOffsetOptions {
   double distance = 0;   ///< along the normal, model units; either sign
   double tolerance = 0;  ///< > 0: most that the offset may be away from P + d n, model units
+  KnotRule knots = KnotRule::Original;
   int maxPoles = 40'000;
 };
 
 /// How the poles of an offset were found.
 enum class PoleRule {
-  Moved,         ///< each by d along the normal at its parameter (Coquillart 1987)
-  Interpolated,  ///< so that the offset passes through the moved points at those parameters
+  Moved,   ///< each by d along the normal at its parameter (Coquillart 1987)
+  Fitted,  ///< least squares: the offset comes nearest to many moved points at their parameters
 };
 
 struct CurveOffset {
-  NurbsCurve curve;  ///< same degree and parameter as the original: C_d(t) stems from C(t)
+  NurbsCurve curve;
   double error = 0;  ///< largest |C_d(t) - (C + d n)(t)| found, at most the tolerance
-  PoleRule rule = PoleRule::Interpolated;
+  PoleRule rule = PoleRule::Fitted;
 };
 
 struct SurfaceOffset {
-  NurbsSurface surface;  ///< same degrees and parameters as the original
-  double error = 0;      ///< largest |S_d(u,v) - (S + d n)(u,v)| found, at most the tolerance
-  PoleRule rule = PoleRule::Interpolated;
+  NurbsSurface surface;
+  double error = 0;  ///< largest |S_d(u,v) - (S + d n)(u,v)| found, at most the tolerance
+  PoleRule rule = PoleRule::Fitted;
 };
 
 /// Unit normal at a parameter of a curve.
@@ -39,11 +46,11 @@ using CurveNormal = std::function<Vec3(double t)>;
 /// plane's normal points to the eye, so that d > 0 grows what a counter-clockwise curve bounds.
 [[nodiscard]] CurveNormal normalInPlane(const NurbsCurve& curve, const Vec3& planeNormal);
 
-/// The offset keeps the original's knots where they do for the tolerance, else knots are added
-/// where the measured error asks for them. Of the two pole rules the one with fewer poles wins.
-/// Where |d| exceeds the radius of curvature the offset folds back, as P + d n does. Fails with
-/// InvalidArgument (bad numbers; no normal; a corner: offset the pieces), ResourceLimit (more than
-/// maxPoles, or 1000 along one direction).
+/// Of the pole rules and of the knots allowed the fewest poles win; an offset that is exact with
+/// the original's knots has them. Where |d| exceeds the radius of curvature the offset folds back,
+/// as P + d n does. A corner below 1e-6 rad, or of which |d| makes a gap below a quarter of the
+/// tolerance, is none. Fails with InvalidArgument (bad numbers; no normal; a corner: offset the
+/// pieces), ResourceLimit (more than maxPoles).
 [[nodiscard]] Result<CurveOffset> offsetNurbs(const NurbsCurve& curve, const CurveNormal& normal,
                                               const NurbsOffsetOptions& options);
 
@@ -52,5 +59,20 @@ using CurveNormal = std::function<Vec3(double t)>;
 [[nodiscard]] Result<SurfaceOffset> offsetNurbs(const NurbsSurface& surface,
                                                 const NurbsOffsetOptions& options,
                                                 const Progress& progress = {});
+
+/// Where offsetNurbs would find a corner or an edge: at a knot (low = high), or in a strip narrower
+/// than a quarter of the tolerance in which the normal turns by more than half a radian. Rising,
+/// apart; strips may reach the ends of the domain. Offset what is between them.
+[[nodiscard]] std::vector<Interval> cornerStrips(const NurbsCurve& curve, const CurveNormal& normal,
+                                                 const NurbsOffsetOptions& options);
+struct EdgeStrips {
+  std::vector<Interval> u, v;
+};
+[[nodiscard]] EdgeStrips edgeStrips(const NurbsSurface& surface, const NurbsOffsetOptions& options);
+
+/// Any curve as a spline with its parameter: `knots` say degree, domain and where it is less
+/// smooth. distance is not used; fails as offsetNurbs does.
+[[nodiscard]] Result<CurveOffset> fitCurve(const std::function<Vec3(double t)>& point,
+                                           const Knots& knots, const NurbsOffsetOptions& options);
 
 }  // namespace phront

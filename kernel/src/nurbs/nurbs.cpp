@@ -10,7 +10,7 @@
 #include <math_Matrix.hxx>
 #include <string_view>
 
-#include "geom/spline_basis.h"
+#include "nurbs/basis.h"
 
 namespace phront {
 namespace {
@@ -109,8 +109,10 @@ std::vector<double> Knots::greville() const {
   return result;
 }
 
+Result<void> checkKnots(const Knots& knots) { return checkKnots(knots, "the curve"); }
+
 Result<void> checkNurbs(const NurbsCurve& curve) {
-  if (auto ok = checkKnots(curve.knots, "the curve"); !ok) return ok;
+  if (auto ok = checkKnots(curve.knots); !ok) return ok;
   return checkPoles(curve.poles, curve.weights, curve.knots.poleCount());
 }
 

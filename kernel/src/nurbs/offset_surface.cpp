@@ -1,0 +1,339 @@
+// Control points of the offset of a surface, as for curves. Knots are sought for u on sampled lines
+// of v and the other way round, as the error of a tensor product is about the sum of both.
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "nurbs/edge_finder.h"
+#include "nurbs/knot_search.h"
+#include "nurbs/offset_rules.h"
+#include "nurbs/surface_grid.h"
+
+namespace phront {
+namespace {
+
+constexpr std::size_t kMostLines = 24;  // sampled across a surface
+constexpr double kBySum = 2.5;          // times the tolerance: errors of u and v may add up to it
+constexpr int kPerOriginalSpan = 2;     // samples inside each span of the original
+constexpr double kWorthClimbing = 0.5;  // of the largest error sampled
+constexpr double kFinestStep = 1e-3;    // of the distance of samples
+
+/// As many of the parameters as there may be lines, ends included.
+std::vector<double> linesAcross(const Knots& knots) {
+  const std::vector<double> all = densely(knots, 2);
+  if (all.size() <= kMostLines) return all;
+  std::vector<double> some;
+  for (std::size_t i = 0; i < kMostLines; ++i)
+    some.push_back(all[i * (all.size() - 1) / (kMostLines - 1)]);
+  return some;
+}
+
+/// Some in each span of an offset's knots, more of them the more an error can swing there; and no
+/// span of the original's is passed over.
+std::vector<double> samplesFor(const Knots& offset, const Knots& original) {
+  std::vector<double> samples = densely(offset, std::max(offset.degree + 2, 2 * offset.degree));
+  const std::vector<double> others = densely(original, kPerOriginalSpan);
+  samples.insert(samples.end(), others.begin(), others.end());
+  std::sort(samples.begin(), samples.end());
+  samples.erase(std::unique(samples.begin(), samples.end()), samples.end());
+  return samples;
+}
+
+Rows transposedPoints(const Rows& points, int stride) {
+  const Eigen::Index columns = points.cols() / stride;
+  Rows result(columns, points.rows() * stride);
+  for (Eigen::Index i = 0; i < points.rows(); ++i) {
+    for (Eigen::Index j = 0; j < columns; ++j)
+      result.block(j, i * stride, 1, stride) = points.block(i, j * stride, 1, stride);
+  }
+  return result;
+}
+
+class SurfaceOffsetter {
+ public:
+  SurfaceOffsetter(const NurbsSurface& surface, const NurbsOffsetOptions& options)
+      : surface_(surface), options_(options), target_(surface, options.distance) {}
+
+  Result<SurfaceOffset> run(const Progress& progress) const {
+    if (!target_.hasNormals()) {
+      return fail(ErrorCode::InvalidArgument,
+                  "The surface has no normal anywhere: it is a curve or a point.", "surface");
+    }
+    std::optional<SurfaceOffset> best;
+    const auto keepFewer = [&](std::optional<SurfaceOffset> other) {
+      if (other && (!best || other->surface.poles.size() < best->surface.poles.size()))
+        best = std::move(other);
+    };
+    const auto keepGood = [&](std::optional<NurbsSurface> surface, PoleRule rule) {
+      if (!surface) return;
+      Judged tried = judged(std::move(*surface), rule);
+      if (tried.offset.error <= options_.tolerance) keepFewer(std::move(tried.offset));
+    };
+    keepGood(movedPoles(), PoleRule::Moved);
+    keepGood(fitted(surface_.u, surface_.v), PoleRule::Fitted);
+    const bool exact = best && best->error <= exactness();
+    if (!best) {
+      const Along refine = [&](bool u, const CurveBundle& lines, double tolerance) {
+        return refined(u, lines, tolerance);
+      };
+      Result<std::optional<SurfaceOffset>> more =
+          within(refine, options_.tolerance, progress.part(0, 0.3));
+      if (!more) return tl::unexpected(more.error());
+      keepFewer(std::move(*more));
+    }
+    if (options_.knots == KnotRule::Fewest) {
+      const Along reduce = [&](bool u, const CurveBundle& lines, double tolerance) {
+        return fewest(u, lines, tolerance);
+      };
+      // An exact offset is left for an exact one only.
+      const double tolerance =
+          exact ? std::min(options_.tolerance, exactness()) : options_.tolerance;
+      Result<std::optional<SurfaceOffset>> fewer = within(reduce, tolerance, progress.part(0.3, 1));
+      if (!fewer) return tl::unexpected(fewer.error());
+      keepFewer(std::move(*fewer));
+    }
+    if (!best) return tooManyPoles(options_);
+    return std::move(*best);
+  }
+
+ private:
+  using Along =
+      std::function<std::optional<Knots>(bool u, const CurveBundle& lines, double tolerance)>;
+  struct Location {
+    double u = 0, v = 0;
+  };
+  struct Worst {
+    double error = 0;
+    Location at;
+  };
+  struct Judged {
+    SurfaceOffset offset;
+    Location worst;
+  };
+
+  [[nodiscard]] std::size_t most() const { return static_cast<std::size_t>(options_.maxPoles); }
+  [[nodiscard]] const Knots& original(bool u) const { return u ? surface_.u : surface_.v; }
+
+  [[nodiscard]] CurveBundle linesAlong(bool u, const std::vector<Location>& missed) const {
+    std::vector<double> across = linesAcross(original(!u));
+    for (const Location& at : missed) across.push_back(u ? at.v : at.u);
+    std::sort(across.begin(), across.end());
+    across.erase(std::unique(across.begin(), across.end()), across.end());
+    const auto at = [this, u, across](std::span<const double> along) {
+      return u ? target_.at(along, across)
+               : transposedPoints(target_.at(across, along), target_.stride());
+    };
+    return {at, target_.stride()};
+  }
+
+  [[nodiscard]] std::optional<Knots> refined(bool u, const CurveBundle& lines,
+                                             double tolerance) const {
+    return refinedKnots(lines, original(u),
+                        [&](const Knots& knots) { return fittedPoles(lines, knots); },
+                        original(u).degree + 1, {tolerance, most()});
+  }
+
+  [[nodiscard]] std::optional<Knots> fewest(bool u, const CurveBundle& lines,
+                                            double tolerance) const {
+    std::optional<Knots> best;
+    for (const int degree : degreesFor(original(u).degree)) {
+      const std::size_t limit = best ? kPrunable * best->poleCount() : most();
+      std::optional<Knots> other = fewestKnots(lines, original(u), degree, {tolerance, limit});
+      if (other && (!best || other->poleCount() < best->poleCount())) best = std::move(other);
+    }
+    return best;
+  }
+
+  /// With knots for a share of the tolerance that leaves the whole within it. What the lines have
+  /// missed becomes one of them.
+  Result<std::optional<SurfaceOffset>> within(const Along& knotsAlong, double tolerance,
+                                              const Progress& progress) const {
+    const double wanted = tolerance;
+    std::vector<Location> missed;
+    for (int round = 0; round < kMostTightenings; ++round) {
+      if (!progress.report(round / static_cast<double>(kMostTightenings)))
+        return fail(ErrorCode::Cancelled, "Cancelled while a surface was offset.");
+      const std::optional<Knots> u = knotsAlong(true, linesAlong(true, missed), tolerance);
+      if (!u) break;
+      const std::optional<Knots> v = knotsAlong(false, linesAlong(false, missed), tolerance);
+      if (!v || u->poleCount() * v->poleCount() > most()) break;
+      std::optional<NurbsSurface> surface = fitted(*u, *v);
+      if (!surface) break;
+      Judged found = judged(std::move(*surface), PoleRule::Fitted);
+      if (found.offset.error <= wanted) return std::move(found.offset);
+      missed.push_back(found.worst);
+      if (found.offset.error <= kBySum * wanted) tolerance *= kTighter;
+    }
+    return std::optional<SurfaceOffset>();
+  }
+
+  [[nodiscard]] std::optional<NurbsSurface> fitted(const Knots& u, const Knots& v) const {
+    const std::vector<double> us = samplesFor(u, surface_.u);
+    const std::vector<double> vs = samplesFor(v, surface_.v);
+    const int stride = target_.stride();
+    const Rows inU = fitPoles(BasisRows(u, us), target_.at(us, vs));
+    if (inU.size() == 0) return std::nullopt;
+    const Rows poles = fitPoles(BasisRows(v, vs), transposedPoints(inU, stride));
+    if (poles.size() == 0) return std::nullopt;
+    NurbsSurface result{u, v, {}, {}};
+    for (Eigen::Index j = 0; j < poles.rows(); ++j) {
+      for (Eigen::Index i = 0; i < poles.cols(); i += stride) {
+        const double weight = stride == 4 ? poles(j, i + 3) : 1;
+        if (!(weight > 0)) return std::nullopt;
+        result.poles.emplace_back(poles.block<1, 3>(j, i).transpose() / weight);
+        if (stride == 4) result.weights.push_back(weight);
+      }
+    }
+    return result;
+  }
+
+  [[nodiscard]] NurbsSurface movedPoles() const {
+    NurbsSurface result = surface_;
+    const std::vector<double> u = surface_.u.greville();
+    const std::vector<double> v = surface_.v.greville();
+    for (std::size_t n = 0; n < result.poles.size(); ++n)
+      result.poles[n] += options_.distance * target_.normal(u[n % u.size()], v[n / u.size()]);
+    return result;
+  }
+
+  [[nodiscard]] double exactness() const {
+    double size = std::abs(options_.distance);
+    for (const Vec3& pole : surface_.poles) size = std::max(size, pole.norm());
+    return kExact * size;
+  }
+
+  [[nodiscard]] Judged judged(NurbsSurface surface, PoleRule rule) const {
+    const Worst worst = largestError(surface);
+    return {{std::move(surface), worst.error, rule}, worst.at};
+  }
+
+  /// Of dense samples, and of climbs from those that exceed their neighbours.
+  [[nodiscard]] Worst largestError(const NurbsSurface& offset) const {
+    const std::vector<double> us = samplesFor(offset.u, surface_.u);
+    const std::vector<double> vs = samplesFor(offset.v, surface_.v);
+    const Eigen::MatrixXd errors = errorsAt(offset, us, vs);
+    Eigen::Index i = 0;
+    Eigen::Index j = 0;
+    const double most = errors.maxCoeff(&i, &j);
+    Worst largest{most, {us[static_cast<std::size_t>(i)], vs[static_cast<std::size_t>(j)]}};
+    if (!(most <= options_.tolerance)) return largest;
+    for (j = 0; j < errors.cols(); ++j) {
+      for (i = 0; i < errors.rows(); ++i) {
+        if (errors(i, j) < kWorthClimbing * most || !exceedsNeighbours(errors, i, j)) continue;
+        const Worst top =
+            climbed(offset, us, vs, static_cast<std::size_t>(i), static_cast<std::size_t>(j));
+        if (top.error > largest.error) largest = top;
+      }
+    }
+    return largest;
+  }
+
+  [[nodiscard]] Eigen::MatrixXd errorsAt(const NurbsSurface& offset, const std::vector<double>& us,
+                                         const std::vector<double>& vs) const {
+    const Rows wanted = target_.at(us, vs);
+    const Rows is = pointsAt(offset, us, vs);
+    const int stride = target_.stride();
+    Eigen::MatrixXd errors(wanted.rows(), is.cols() / 3);
+    for (Eigen::Index i = 0; i < errors.rows(); ++i) {
+      for (Eigen::Index j = 0; j < errors.cols(); ++j) {
+        Eigen::RowVector3d p = wanted.block<1, 3>(i, j * stride);
+        if (stride == 4) p /= wanted(i, j * stride + 3);
+        const double error = (p - is.block<1, 3>(i, 3 * j)).norm();
+        errors(i, j) = std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
+      }
+    }
+    return errors;
+  }
+
+  static bool exceedsNeighbours(const Eigen::MatrixXd& errors, Eigen::Index i, Eigen::Index j) {
+    const Eigen::Index top = std::max<Eigen::Index>(i - 1, 0);
+    const Eigen::Index left = std::max<Eigen::Index>(j - 1, 0);
+    const Eigen::Index rows = std::min(i + 2, errors.rows()) - top;
+    const Eigen::Index columns = std::min(j + 2, errors.cols()) - left;
+    return errors(i, j) >= errors.block(top, left, rows, columns).maxCoeff();
+  }
+
+  [[nodiscard]] Worst climbed(const NurbsSurface& offset, const std::vector<double>& us,
+                              const std::vector<double>& vs, std::size_t i, std::size_t j) const {
+    const auto error = [&](double u, double v) {
+      return (evaluate(offset, u, v).position - target_.point(u, v)).norm();
+    };
+    const auto range = [](const std::vector<double>& all, std::size_t k) {
+      return std::array{all[k > 0 ? k - 1 : 0], all[std::min(k + 1, all.size() - 1)]};
+    };
+    const auto [u0, u1] = range(us, i);
+    const auto [v0, v1] = range(vs, j);
+    double u = us[i];
+    double v = vs[j];
+    double most = error(u, v);
+    double share = 0.25;  // of the ranges: the next step
+    for (int k = 0; k < kClimbs; ++k) {
+      const double du = share * (u1 - u0);
+      const double dv = share * (v1 - v0);
+      bool up = false;
+      for (const auto& [a, b] : {std::pair{du, 0.0}, {-du, 0.0}, {0.0, dv}, {0.0, -dv}}) {
+        const double nextU = std::clamp(u + a, u0, u1);
+        const double nextV = std::clamp(v + b, v0, v1);
+        const double next = error(nextU, nextV);
+        if (!(next > most)) continue;
+        u = nextU;
+        v = nextV;
+        most = next;
+        up = true;
+      }
+      if (!up) share /= 2;
+      if (share < kFinestStep) break;
+    }
+    return {most, {u, v}};
+  }
+
+  const NurbsSurface& surface_;
+  const NurbsOffsetOptions& options_;
+  OffsetSurface target_;
+};
+
+}  // namespace
+
+EdgeStrips edgeStrips(const NurbsSurface& surface, const NurbsOffsetOptions& options) {
+  const OffsetSurface offset(surface, options.distance);
+  const auto stripsAlong = [&](bool u, const std::vector<Interval>& without) {
+    EdgeFinder finder(u ? surface.u : surface.v, options);
+    for (const double s : linesAcross(u ? surface.v : surface.u)) {
+      const bool cutOut = std::any_of(without.begin(), without.end(), [&](const Interval& strip) {
+        return strip.low <= s && s <= strip.high;
+      });
+      if (cutOut) continue;
+      finder.look([&](double t) { return u ? offset.normal(t, s) : offset.normal(s, t); },
+                  [&](double t) { return evaluate(surface, u ? t : s, u ? s : t).position; });
+    }
+    return finder.strips();
+  };
+  // Inside an edge along u all lines along v may look broken, and the other way round.
+  EdgeStrips first{stripsAlong(true, {}), {}};
+  first.v = stripsAlong(false, first.u);
+  if (first.u.empty()) return first;
+  EdgeStrips second{{}, stripsAlong(false, {})};
+  second.u = stripsAlong(true, second.v);
+  return first.u.size() + first.v.size() <= second.u.size() + second.v.size() ? first : second;
+}
+
+Result<SurfaceOffset> offsetNurbs(const NurbsSurface& surface, const NurbsOffsetOptions& options,
+                                  const Progress& progress) {
+  if (auto ok = checkNurbs(surface); !ok) return tl::unexpected(ok.error());
+  if (auto ok = checkOptions(options); !ok) return tl::unexpected(ok.error());
+  const EdgeStrips edges = edgeStrips(surface, options);
+  if (!edges.u.empty() || !edges.v.empty()) {
+    return fail(ErrorCode::InvalidArgument,
+                fmt::format("The surface has an edge at {} = {:g}; offset the pieces on both "
+                            "sides of it.",
+                            edges.u.empty() ? 'v' : 'u',
+                            edges.u.empty() ? edges.v.front().low : edges.u.front().low),
+                "surface");
+  }
+  return SurfaceOffsetter(surface, options).run(progress);
+}
+
+}  // namespace phront

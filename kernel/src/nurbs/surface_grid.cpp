@@ -1,0 +1,210 @@
+#include "nurbs/surface_grid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <queue>
+
+namespace phront {
+namespace {
+
+constexpr double kDegenerate = 1e-8;  // of the typical |S_u x S_v|
+constexpr double kIntoDomain = 1e-5;  // of the domain: from where a degenerate normal is taken
+constexpr std::size_t kTypicalSamples = 7;
+constexpr std::size_t kFoldSamples = 20;  // along a direction, in search of folds
+constexpr std::size_t kLeastInSpan = 2;   // of these
+constexpr double kTurnedOver = -0.5;      // cosine between neighbours' normals
+
+/// Parameters all over a domain, in each span some unless there are very many.
+std::vector<double> spreadOver(const Knots& knots) {
+  const std::size_t spans = knots.distinct().size() - 1;
+  const std::size_t each = std::clamp(kFoldSamples / spans, kLeastInSpan, kFoldSamples);
+  return densely(knots, static_cast<int>(each));
+}
+
+Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
+
+/// Homogeneous poles: a row for each u, (w x, w y, w z, w) for each v.
+Rows liftedPoles(const NurbsSurface& surface) {
+  const std::size_t columns = surface.v.poleCount();
+  const std::size_t rows = surface.u.poleCount();
+  Rows result(index(rows), index(4 * columns));
+  for (std::size_t j = 0; j < columns; ++j) {
+    for (std::size_t i = 0; i < rows; ++i) {
+      const std::size_t n = i + j * rows;
+      const double w = surface.weights.empty() ? 1 : surface.weights[n];
+      result.block<1, 3>(index(i), index(4 * j)) = w * surface.poles[n].transpose();
+      result(index(i), index(4 * j + 3)) = w;
+    }
+  }
+  return result;
+}
+
+/// Sum over the poles along v of one row.
+Eigen::Vector4d sum(const Rows& rows, std::size_t i, const BasisAt& basis, std::size_t order,
+                    bool slope) {
+  Eigen::Vector4d result = Eigen::Vector4d::Zero();
+  const auto& factor = slope ? basis.slope : basis.value;
+  for (std::size_t k = 0; k < order; ++k)
+    result += factor[k] * rows.block<1, 4>(index(i), index(4 * (basis.first + k))).transpose();
+  return result;
+}
+
+}  // namespace
+
+bool isRational(const std::vector<double>& weights) {
+  if (weights.empty()) return false;
+  const auto [least, most] = std::minmax_element(weights.begin(), weights.end());
+  return *most - *least > 1e-14 * *most;
+}
+
+Rows pointsAt(const NurbsSurface& surface, std::span<const double> us, std::span<const double> vs) {
+  const Rows alongU = BasisRows(surface.u, us).times(liftedPoles(surface));
+  const BasisRows basis(surface.v, vs);
+  Rows result(index(us.size()), index(3 * vs.size()));
+  for (std::size_t i = 0; i < us.size(); ++i) {
+    for (std::size_t j = 0; j < vs.size(); ++j) {
+      const Eigen::Vector4d p = sum(alongU, i, basis[j], basis.order(), false);
+      result.block<1, 3>(index(i), index(3 * j)) = p.head<3>().transpose() / p[3];
+    }
+  }
+  return result;
+}
+
+OffsetSurface::OffsetSurface(const NurbsSurface& surface, double distance)
+    : surface_(surface), distance_(distance), rational_(isRational(surface.weights)) {
+  const auto spread = [](const Knots& knots, std::size_t i) {
+    return knots.first() +
+           (knots.last() - knots.first()) * static_cast<double>(i) / (kTypicalSamples - 1);
+  };
+  for (std::size_t i = 0; i < kTypicalSamples; ++i) {
+    for (std::size_t j = 0; j < kTypicalSamples; ++j)
+      typical_ = std::max(typical_, cross(spread(surface.u, i), spread(surface.v, j)).norm());
+  }
+  if (typical_ > 0) findFolds();
+}
+
+void OffsetSurface::findFolds() {
+  const std::vector<double> us = spreadOver(surface_.u);
+  const std::vector<double> vs = spreadOver(surface_.v);
+  std::vector<Vec3> normals;
+  std::vector<double> lengths;
+  for (const double v : vs) {
+    for (const double u : us) {
+      normals.push_back(normal(u, v));
+      lengths.push_back(cross(u, v).norm());
+    }
+  }
+  const std::size_t rows = us.size();
+  const auto neighbours = [&](std::size_t n) {
+    std::vector<std::size_t> result;
+    if (n % rows > 0) result.push_back(n - 1);
+    if (n % rows + 1 < rows) result.push_back(n + 1);
+    if (n >= rows) result.push_back(n - rows);
+    if (n + rows < normals.size()) result.push_back(n + rows);
+    return result;
+  };
+  bool folded = false;
+  for (std::size_t n = 0; n < normals.size() && !folded; ++n) {
+    for (const std::size_t m : neighbours(n)) folded |= normals[n].dot(normals[m]) < kTurnedOver;
+  }
+  if (!folded) return;
+  // From the node that is stretched most, over the pairs that agree best (but for the sign).
+  struct Step {
+    double agreement = 0;
+    std::size_t from = 0, to = 0;
+    bool operator<(const Step& other) const { return agreement < other.agreement; }
+  };
+  const auto start =
+      static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
+  std::vector<bool> done(normals.size(), false);
+  std::priority_queue<Step> open;
+  open.push({1, start, start});
+  while (!open.empty()) {
+    const Step step = open.top();
+    open.pop();
+    if (done[step.to]) continue;
+    done[step.to] = true;
+    if (normals[step.to].dot(normals[step.from]) < 0) normals[step.to] *= -1;
+    for (const std::size_t next : neighbours(step.to)) {
+      if (!done[next]) open.push({std::abs(normals[step.to].dot(normals[next])), step.to, next});
+    }
+  }
+  us_ = us;
+  vs_ = vs;
+  normals_ = std::move(normals);
+}
+
+Vec3 OffsetSurface::unfolded(double u, double v, const Vec3& normal) const {
+  if (normals_.empty()) return normal;
+  const auto nearest = [](const std::vector<double>& all, double t) {
+    const auto after = std::lower_bound(all.begin() + 1, all.end() - 1, t);
+    return static_cast<std::size_t>(after - all.begin()) - (*after - t > t - *(after - 1) ? 1 : 0);
+  };
+  const Vec3& like = normals_[nearest(us_, u) + nearest(vs_, v) * us_.size()];
+  return normal.dot(like) < 0 ? Vec3(-normal) : normal;
+}
+
+Vec3 OffsetSurface::cross(double u, double v) const {
+  const SurfacePoint p = evaluate(surface_, u, v);
+  return p.alongU.cross(p.alongV);
+}
+
+Vec3 OffsetSurface::normal(double u, double v) const {
+  const Vec3 here = cross(u, v);
+  if (here.norm() > kDegenerate * typical_) return unfolded(u, v, here.normalized());
+  const auto inward = [](const Knots& knots, double t, double steps) {
+    const double middle = 0.5 * (knots.first() + knots.last());
+    const double step = steps * kIntoDomain * (knots.last() - knots.first());
+    return t + std::copysign(step, middle - t);
+  };
+  // Straight inwards along v, along u, or both: where the surface is least degenerate.
+  Vec3 near = here;
+  Vec3 far = here;
+  for (const auto& [a, b] : {std::pair{0, 1}, {1, 0}, {1, 1}}) {
+    const Vec3 other = cross(inward(surface_.u, u, a), inward(surface_.v, v, b));
+    if (!(other.norm() > near.norm())) continue;
+    near = other;
+    far = cross(inward(surface_.u, u, 2 * a), inward(surface_.v, v, 2 * b));
+  }
+  if (!(near.norm() > 0 && far.norm() > 0)) return Vec3::Zero();
+  return unfolded(u, v, (2 * near.normalized() - far.normalized()).normalized());
+}
+
+Vec3 OffsetSurface::point(double u, double v) const {
+  return evaluate(surface_, u, v).position + distance_ * normal(u, v);
+}
+
+Rows OffsetSurface::at(std::span<const double> us, std::span<const double> vs) const {
+  const Rows lifted = liftedPoles(surface_);
+  const BasisRows inU(surface_.u, us);
+  const Rows values = inU.times(lifted);
+  const Rows slopes = inU.slopeTimes(lifted);
+  const BasisRows inV(surface_.v, vs);
+  const int wide = stride();
+  Rows result(index(us.size()), index(vs.size()) * wide);
+  for (std::size_t i = 0; i < us.size(); ++i) {
+    for (std::size_t j = 0; j < vs.size(); ++j) {
+      const Eigen::Vector4d p = sum(values, i, inV[j], inV.order(), false);
+      const Eigen::Vector4d u = sum(slopes, i, inV[j], inV.order(), false);
+      const Eigen::Vector4d v = sum(values, i, inV[j], inV.order(), true);
+      const Vec3 position = p.head<3>() / p[3];
+      const Vec3 alongU = (u.head<3>() - u[3] * position) / p[3];
+      const Vec3 alongV = (v.head<3>() - v[3] * position) / p[3];
+      Vec3 n = alongU.cross(alongV);
+      n = n.norm() > kDegenerate * typical_ ? unfolded(us[i], vs[j], n.normalized())
+                                            : normal(us[i], vs[j]);
+      const Vec3 moved = position + distance_ * n;
+      const Eigen::Index column = index(j) * wide;
+      if (rational_) {
+        result.block<1, 3>(index(i), column) = p[3] * moved.transpose();
+        result(index(i), column + 3) = p[3];
+      } else {
+        result.block<1, 3>(index(i), column) = moved.transpose();
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace phront

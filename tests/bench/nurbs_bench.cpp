@@ -1,0 +1,268 @@
+// Offset surfaces of the freeform faces of CAD files beside OpenCASCADE's own approximation: poles,
+// errors, failures.
+//
+// Usage: phront_nurbs_bench FOLDER [PERCENT]
+//
+// Every freeform face (B-spline, Bezier, offset surfaces, revolutions and extrusions of such
+// curves) is offset by PERCENT (2) of its part's diagonal, to 1e-2, 1e-3 and 1e-4 of that, by
+// phront::cad::offsetGeom and by GeomConvert_ApproxSurface of a Geom_OffsetSurface (as
+// GeomConvert::SurfaceToBSplineSurface calls it: degree up to 14, C2 where the surface is, else
+// C1). Where that turns out more exact than asked, ours is also made to its error as tolerance.
+// Errors of both are measured alike, on a grid, against the point P + d n of the same (u,v).
+#include <fmt/format.h>
+
+#include <BRepTools.hxx>
+#include <BRep_Tool.hxx>
+#include <GeomConvert.hxx>
+#include <GeomConvert_ApproxSurface.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <Geom_Conic.hxx>
+#include <Geom_ElementarySurface.hxx>
+#include <Geom_Line.hxx>
+#include <Geom_OffsetSurface.hxx>
+#include <Geom_RectangularTrimmedSurface.hxx>
+#include <Geom_SweptSurface.hxx>
+#include <Standard_Failure.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "exchange/guard.h"
+#include "phront/cad/exchange.h"
+#include "phront/cad/shape_occt.h"
+#include "surfaces/offset_geom.h"
+
+namespace phront::cad {
+namespace {
+
+constexpr int kGrid = 61;
+constexpr double kSecondsEach = 60;
+constexpr double kNoNormal = 1e-8;  // of the largest |S_u x S_v|
+constexpr double kRoundOff = 1e-9;  // of |d|: errors below are none
+
+struct Approximation {
+  int poles = 0;
+  double error = 0;
+  double seconds = 0;
+};
+
+Handle(Geom_Surface) bare(Handle(Geom_Surface) surface) {
+  while (surface->IsKind(STANDARD_TYPE(Geom_RectangularTrimmedSurface)))
+    surface = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface)->BasisSurface();
+  return surface;
+}
+
+/// Trim curves may leave the surface by round-off, which OpenCASCADE does not take.
+void clip(ParameterBox& box, const Geom_Surface& surface) {
+  ParameterBox all;
+  surface.Bounds(all.u.low, all.u.high, all.v.low, all.v.high);
+  if (!surface.IsUPeriodic())
+    box.u = {std::max(box.u.low, all.u.low), std::min(box.u.high, all.u.high)};
+  if (!surface.IsVPeriodic())
+    box.v = {std::max(box.v.low, all.v.low), std::min(box.v.high, all.v.high)};
+}
+
+bool freeform(const Handle(Geom_Surface) & surface) {
+  if (surface->IsKind(STANDARD_TYPE(Geom_ElementarySurface))) return false;
+  if (const auto swept = Handle(Geom_SweptSurface)::DownCast(surface); !swept.IsNull()) {
+    return !swept->BasisCurve()->IsKind(STANDARD_TYPE(Geom_Conic)) &&
+           !swept->BasisCurve()->IsKind(STANDARD_TYPE(Geom_Line));
+  }
+  return true;
+}
+
+/// Largest distance from P + d n where there is a normal.
+double errorOf(const Geom_Surface& original, const Geom_Surface& offset, const ParameterBox& box,
+               double distance) {
+  double most = 0;
+  double typical = 0;
+  for (int i = 0; i <= kGrid; ++i) {
+    for (int j = 0; j <= kGrid; ++j) {
+      const double u = box.u.low + (box.u.high - box.u.low) * i / kGrid;
+      const double v = box.v.low + (box.v.high - box.v.low) * j / kGrid;
+      gp_Pnt p;
+      gp_Vec du;
+      gp_Vec dv;
+      original.D1(u, v, p, du, dv);
+      gp_Vec n = du.Crossed(dv);
+      typical = std::max(typical, n.Magnitude());
+      if (n.Magnitude() < kNoNormal * typical) continue;
+      n.Normalize();
+      most = std::max(most, offset.Value(u, v).Distance(p.Translated(n * distance)));
+    }
+  }
+  return most;
+}
+
+Handle(Geom_BSplineSurface)
+    asSpline(const Handle(Geom_Surface) & surface, const ParameterBox& box) {
+  if (const auto spline = Handle(Geom_BSplineSurface)::DownCast(surface); !spline.IsNull())
+    return spline;
+  return GeomConvert::SurfaceToBSplineSurface(
+      new Geom_RectangularTrimmedSurface(surface, box.u.low, box.u.high, box.v.low, box.v.high));
+}
+
+std::string text(const Approximation& a) {
+  return fmt::format("{} {:.17g} {:.17g}", a.poles, a.error, a.seconds);
+}
+
+std::optional<Approximation> parsed(const Result<std::string>& bytes) {
+  if (!bytes) return std::nullopt;
+  Approximation a;
+  if (std::sscanf(bytes->c_str(), "%d %lf %lf", &a.poles, &a.error, &a.seconds) != 3)
+    return std::nullopt;
+  return a;
+}
+
+template <class Make>
+std::optional<Approximation> timed(const Make& make, std::string& why) {
+  const Result<std::string> bytes =
+      runInChild("offsetting", {.seconds = kSecondsEach}, [&]() -> Result<std::string> {
+        const auto start = std::chrono::steady_clock::now();
+        Result<Approximation> made = make();
+        if (!made) return tl::unexpected(made.error());
+        made->seconds =
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        return text(*made);
+      });
+  if (!bytes) why = bytes.error().message;
+  return parsed(bytes);
+}
+
+Result<Approximation> occt(const Handle(Geom_Surface) & surface, const ParameterBox& box,
+                           double distance, double tolerance) {
+  const Handle(Geom_OffsetSurface) offset = new Geom_OffsetSurface(surface, distance);
+  const Handle(Geom_Surface) part =
+      new Geom_RectangularTrimmedSurface(offset, box.u.low, box.u.high, box.v.low, box.v.high);
+  const GeomAbs_Shape continuity = offset->IsCNu(2) && offset->IsCNv(2) ? GeomAbs_C2 : GeomAbs_C1;
+  const GeomConvert_ApproxSurface approx(part, tolerance, continuity, continuity, 14, 14, 400, 1);
+  if (!approx.HasResult()) return fail(ErrorCode::Failed, "no result");
+  const Handle(Geom_BSplineSurface) made = approx.Surface();
+  return Approximation{made->NbUPoles() * made->NbVPoles(), errorOf(*surface, *made, box, distance),
+                       0};
+}
+
+Result<Approximation> phront(const Handle(Geom_Surface) & surface, const ParameterBox& box,
+                             double distance, double tolerance) {
+  const Result<std::vector<OffsetPiece>> pieces = offsetGeom(
+      surface, box, {.distance = distance, .tolerance = tolerance, .knots = KnotRule::Fewest});
+  if (!pieces) return tl::unexpected(pieces.error());
+  Approximation sum;
+  for (const OffsetPiece& piece : *pieces) {
+    const Handle(Geom_BSplineSurface) spline = asSpline(piece.surface, piece.box);
+    sum.poles += spline->NbUPoles() * spline->NbVPoles();
+    sum.error = std::max(sum.error, errorOf(*surface, *piece.surface, piece.box, distance));
+  }
+  return sum;
+}
+
+struct Tally {
+  int faces = 0, ours = 0, theirs = 0, fewer = 0, fewerAndTighter = 0;
+  double seconds = 0, theirSeconds = 0;
+  std::vector<double> ratios;
+};
+
+void compare(const std::string& name, const Handle(Geom_Surface) & surface, const ParameterBox& box,
+             double distance, std::map<int, Tally>& tallies) {
+  for (const int power : {2, 3, 4}) {
+    const double tolerance = std::abs(distance) * std::pow(10.0, -power);
+    std::string why;
+    std::string whyNot;
+    const auto ours = timed([&] { return phront(surface, box, distance, tolerance); }, why);
+    const auto theirs = timed([&] { return occt(surface, box, distance, tolerance); }, whyNot);
+    Tally& tally = tallies[power];
+    ++tally.faces;
+    const bool right = ours && ours->error <= tolerance;
+    const bool theirsRight = theirs && theirs->error <= tolerance;
+    tally.ours += right;
+    tally.theirs += theirsRight;
+    tally.fewer += right && (!theirsRight || ours->poles <= theirs->poles);
+    std::optional<Approximation> tight = ours;
+    if (right && theirsRight && ours->error > theirs->error &&
+        theirs->error > kRoundOff * std::abs(distance))
+      tight = timed([&] { return phront(surface, box, distance, theirs->error); }, why);
+    tally.fewerAndTighter +=
+        right &&
+        (!theirsRight || (tight && tight->poles <= theirs->poles &&
+                          tight->error <= std::max(theirs->error, kRoundOff * std::abs(distance))));
+    if (ours) tally.seconds += ours->seconds;
+    if (theirs) tally.theirSeconds += theirs->seconds;
+    if (right && theirsRight) tally.ratios.push_back(double(ours->poles) / theirs->poles);
+    const auto cell = [&](const std::optional<Approximation>& a, const std::string& trouble) {
+      return a ? fmt::format("{:6d} {:8.2e} {:7.3f}", a->poles, a->error / tolerance, a->seconds)
+               : fmt::format("{:>23.90}", trouble);
+    };
+    fmt::print("{:44.44} 1e-{} | {} | {}{}\n", name, power, cell(ours, why), cell(theirs, whyNot),
+               right ? "" : "  <-- missed");
+    std::fflush(stdout);
+  }
+}
+
+void compareFile(const std::filesystem::path& path, double percent, std::map<int, Tally>& tallies) {
+  const Result<Model> model = readModel(path);
+  if (!model) {
+    fmt::print("{}: {}\n", path.filename().string(), model.error().message);
+    return;
+  }
+  const double distance = 0.01 * percent * boundingBox(*model).diagonal().norm();
+  int number = 0;
+  for (const Body& body : model->bodies) {
+    for (TopExp_Explorer faces(occtShape(body.shape), TopAbs_FACE); faces.More(); faces.Next()) {
+      const TopoDS_Face& face = TopoDS::Face(faces.Current());
+      ++number;
+      const Handle(Geom_Surface) surface = bare(BRep_Tool::Surface(face));
+      if (!freeform(surface)) continue;
+      ParameterBox box;
+      BRepTools::UVBounds(face, box.u.low, box.u.high, box.v.low, box.v.high);
+      clip(box, *surface);
+      const std::string type = std::string(surface->DynamicType()->Name()).substr(5, 12);
+      compare(fmt::format("{:.24} {} {}", path.stem().string(), number, type), surface, box,
+              distance, tallies);
+    }
+  }
+}
+
+int run(const std::filesystem::path& folder, double percent) {
+  std::vector<std::filesystem::path> files;
+  if (std::filesystem::is_directory(folder)) {
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+      if (entry.is_regular_file() && shapeFormatOf(entry.path())) files.push_back(entry.path());
+  } else {
+    files.push_back(folder);
+  }
+  std::sort(files.begin(), files.end());
+  std::map<int, Tally> tallies;
+  fmt::print("{:44} tol  |  poles  err/tol       s |  OpenCASCADE's\n", "face");
+  for (const auto& file : files) compareFile(file, percent, tallies);
+  for (auto& [power, t] : tallies) {
+    std::sort(t.ratios.begin(), t.ratios.end());
+    const double median = t.ratios.empty() ? 0 : t.ratios[t.ratios.size() / 2];
+    fmt::print(
+        "1e-{}: {} faces, within tolerance {} ({:.1f} %), OpenCASCADE {} ({:.1f} %); at most as "
+        "many poles {} ({:.1f} %), and so with a tolerance that is OpenCASCADE's error {} ({:.1f} "
+        "%); poles to OpenCASCADE's, "
+        "median {:.2f}; {:.1f} s to {:.1f} s\n",
+        power, t.faces, t.ours, 100.0 * t.ours / t.faces, t.theirs, 100.0 * t.theirs / t.faces,
+        t.fewer, 100.0 * t.fewer / t.faces, t.fewerAndTighter, 100.0 * t.fewerAndTighter / t.faces,
+        median, t.seconds, t.theirSeconds);
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace phront::cad
+
+int main(int argc, char** argv) {
+  if (argc < 2 || argc > 3) {
+    std::fputs("usage: phront_nurbs_bench FILE-OR-FOLDER [PERCENT]\n", stderr);
+    return 2;
+  }
+  return phront::cad::run(argv[1], argc > 2 ? std::atof(argv[2]) : 2);
+}
