@@ -151,6 +151,12 @@ Result<void> writeReport(const nlohmann::json& report, const CommonOptions& opti
   return writeFileAtomically(options.report, text);
 }
 
+const char* wordFor(cad::SurfaceType type) {
+  static constexpr const char* kWords[] = {"plane",      "cylinder",  "cone",    "sphere", "torus",
+                                           "revolution", "extrusion", "bspline", "other"};
+  return kWords[static_cast<int>(type)];
+}
+
 nlohmann::json jsonOf(const cad::CheckResult& check) {
   return {{"pass", check.pass()},
           {"reasons", check.reasons},

@@ -9,6 +9,7 @@
 
 #include "phront/cad/check.h"
 #include "phront/cad/shape.h"
+#include "phront/cad/tessellate.h"
 #include "phront/progress.h"
 #include "phront/status.h"
 #include "phront/tri_mesh.h"
@@ -64,6 +65,7 @@ void installInterruptHandler();
 [[nodiscard]] Result<void> writeReport(const nlohmann::json& report, const CommonOptions& options);
 
 [[nodiscard]] nlohmann::json jsonOf(const cad::CheckResult& check);
+[[nodiscard]] const char* wordFor(cad::SurfaceType type);
 
 /// Adds a mesh to another; its face labels are numbered on from those already there.
 void appendMesh(TriMesh& all, const TriMesh& part);

@@ -20,12 +20,6 @@ struct InfoArguments {
   CommonOptions common;
 };
 
-const char* wordFor(cad::SurfaceType type) {
-  static constexpr const char* kWords[] = {"plane",      "cylinder",  "cone",    "sphere", "torus",
-                                           "revolution", "extrusion", "bspline", "other"};
-  return kWords[static_cast<int>(type)];
-}
-
 const char* wordFor(cad::EdgeType type) {
   static constexpr const char* kWords[] = {"smooth", "convex", "concave",
                                            "mixed",  "free",   "non-manifold"};
@@ -99,11 +93,11 @@ nlohmann::json infoOfBody(const cad::Body& body, std::size_t number, int& faceNu
   std::map<std::string, int> types;
   std::string list;
   for (const cad::FaceFeature& face : mesh->features.faces) {
-    ++types[wordFor(face.type)];
+    ++types[cli::wordFor(face.type)];
     const std::string name = fmt::format("F{}", ++faceNumber);
     json["faces"].push_back(
-        {{"id", name}, {"type", wordFor(face.type)}, {"area_mm2", face.area}, {"name", face.name}});
-    list += fmt::format("    {:<6}{:<12}{:>14.6g} mm2  {}\n", name, wordFor(face.type), face.area,
+        {{"id", name}, {"type", cli::wordFor(face.type)}, {"area_mm2", face.area}, {"name", face.name}});
+    list += fmt::format("    {:<6}{:<12}{:>14.6g} mm2  {}\n", name, cli::wordFor(face.type), face.area,
                         face.name);
   }
   if (talk) {

@@ -8,6 +8,7 @@
 #include "cli.h"
 #include "offset_drawing.h"
 #include "offset_mesh.h"
+#include "offset_surfaces.h"
 #include "phront/cad/exchange.h"
 #include "phront/cad/offset_shape.h"
 
@@ -20,6 +21,7 @@ struct OffsetArguments {
   std::string distance;
   std::string join = "arc";
   bool parametric = false;
+  bool surfaces = false;
   double timeLimit = cad::OffsetOptions().timeLimit;
   CommonOptions common;
 };
@@ -152,6 +154,7 @@ int runOffset(const OffsetArguments& arguments) {
           "curves give a drawing: name the output .svg or .dxf, the input so too, or a CAD file of "
           "planar wires");
     if (arguments.parametric) return reportUsage("--parametric moves mesh nodes, not drawings");
+    if (arguments.surfaces) return reportUsage("--surfaces offsets CAD faces, not drawings");
     return offsetDrawingFile(arguments.in, arguments.out, *distance, options.tolerance,
                              arguments.common);
   }
@@ -160,7 +163,8 @@ int runOffset(const OffsetArguments& arguments) {
     const Result<cad::ShapeFormat> format = cad::shapeFormatOf(arguments.out);
     if (!format) return reportError(format.error());
   }
-  const Progress progress = makeProgress(arguments.common);
+  if (arguments.surfaces && (meshOut || isMeshPath(arguments.in)))
+    return reportUsage("--surfaces offsets CAD faces: name a STEP, IGES or BREP file in and out");
   if (isMeshPath(arguments.in)) {
     if (!meshOut)
       return reportUsage("a mesh gives a mesh: name the output .stl, .obj, .ply or .vtu");
@@ -175,7 +179,16 @@ int runOffset(const OffsetArguments& arguments) {
                              options.tolerance, arguments.common);
   if (arguments.parametric)
     return reportUsage("--parametric moves mesh nodes: name a mesh output (.stl .obj .ply .vtu)");
-  Result<cad::OffsetResult> result = cad::offsetModel(*model, options, progress);
+  if (arguments.surfaces) {
+    cad::SurfacesOptions forSurfaces;
+    forSurfaces.distance = options.distance;
+    forSurfaces.tolerance = options.tolerance;
+    forSurfaces.threads = options.threads;
+    forSurfaces.timeLimit = options.timeLimit;
+    return offsetSurfacesFile(*model, arguments.in, arguments.out, forSurfaces, arguments.common);
+  }
+  Result<cad::OffsetResult> result =
+      cad::offsetModel(*model, options, makeProgress(arguments.common));
   endProgress(arguments.common);
   if (!result) return reportError(result.error());
   if (interrupted()) return kInterrupted;
@@ -201,6 +214,8 @@ void addOffsetCommand(CLI::App& app, int& exitCode) {
       ->check(CLI::IsMember({"arc"}));
   command->add_flag("--parametric", arguments->parametric,
                     "Mesh output: move the input's own nodes, keep connectivity and order");
+  command->add_flag("--surfaces", arguments->surfaces,
+                    "CAD output: the trimmed offset surface of every face, not sewn to a solid");
   command
       ->add_option("--time-limit", arguments->timeLimit,
                    "Seconds for all attempts and their checks; writing comes on top")

@@ -15,6 +15,7 @@
 #include "rebuild/attempt_runner.h"
 #include "rebuild/facet_stage.h"
 #include "rebuild/front_stage.h"
+#include "tessellate/body_distance.h"
 #include "tessellate/true_distance.h"
 
 namespace phront::cad {
@@ -22,14 +23,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Triangles follow the faces to this share of |d|: far below the 1 % that a result may deviate, and
-// what is left disappears where feet are refined on the true surface.
-constexpr double kDeflectionOfDistance = 0.004;
-// ... but not finer than this share of the diagonal: tiny distances on large parts.
-constexpr double kFinestDeflection = 2e-5;
-constexpr double kFinestOfSheet = 5e-5;  // no roundings, no facets
-// ... and not coarser: large distances still need the shape.
-constexpr double kCoarsestDeflection = 3e-4;
 // How far a recognised plane, cylinder, ... may lie from the freeform face it stands for: of the
 // diagonal, and of |d|, so that it spends little of the tolerance.
 constexpr double kRecognitionOfDiagonal = 2e-6;
@@ -65,28 +58,6 @@ class StageClock {
   std::vector<StageTime>& times_;
   Clock::time_point start_;
 };
-
-double deflectionFor(const Body& body, double distance) {
-  const double diagonal = diagonalOf(occtShape(body.shape));
-  const double finest = body.kind == BodyKind::Solid ? kFinestDeflection : kFinestOfSheet;
-  return std::clamp(kDeflectionOfDistance * std::abs(distance), finest * diagonal,
-                    kCoarsestDeflection * diagonal);
-}
-
-Result<TrueDistance> prepareDistance(const Body& body, double distance, double seconds) {
-  TessellateOptions tessellation;
-  tessellation.distance = std::abs(distance);
-  tessellation.deflection = deflectionFor(body, distance);
-  tessellation.smoothTolerance = tessellation.deflection;
-  tessellation.timeLimit = seconds;
-  Result<Tessellation> mesh = tessellate(body, tessellation);
-  if (!mesh && mesh.error().code == ErrorCode::Failed) {
-    return fail(ErrorCode::UnreadableInput, "the part cannot be measured: " + mesh.error().message +
-                                                " Repair it in the CAD system it comes from.");
-  }
-  if (!mesh) return tl::unexpected(mesh.error());
-  return TrueDistance::build(occtShape(body.shape), std::move(*mesh));
-}
 
 /// The body with elementary surfaces where it has freeform ones that are the same: what the offset
 /// is made from. It is judged against the body as read.
@@ -146,7 +117,7 @@ class BodyOffsetter {
     const Body healed = withElementarySurfaces(body_, options_.distance, report().attempts);
     clock_.lap("heal");
     const Result<TrueDistance> phi =
-        prepareDistance(healed, options_.distance,
+        distanceOf(healed, options_.distance,
                         deadline_.forStep(kTessellateShare, kLeastSeconds, kMostTessellateSeconds));
     if (!phi) return tl::unexpected(phi.error());
     clock_.lap("tessellate");

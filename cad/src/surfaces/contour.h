@@ -1,0 +1,46 @@
+// Level lines of a function in the plane that is known on one side only.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+namespace phront::cad {
+
+using Vec2 = Eigen::Vector2d;
+
+/// Clearance at a point of the plane: negative where there is too little, and there with its
+/// gradient. What is positive need not be smooth, nor grow: a front meets others only where it
+/// does.
+struct Clearance {
+  double value = 0;
+  Vec2 gradient = Vec2::Zero();
+};
+using ClearanceAt = std::function<Clearance(const Vec2&)>;
+
+/// One point on each side.
+struct ContourSeed {
+  Vec2 without;  ///< value < 0
+  Vec2 with;     ///< value >= 0
+};
+
+struct ContourOptions {
+  Vec2 low, high;    ///< lines end outside this box
+  double chord = 0;  ///< largest distance of the segments from the line
+  double longestStep = 0;
+  int maxPoints = 20'000;
+};
+
+struct Contour {
+  std::vector<Vec2> points;
+  bool closed = false;  ///< the last point is followed by the first
+};
+
+/// Lines of clearance 0 through the seeds, each once, by predictor and corrector (Allgower & Georg
+/// 1990): steps along the tangent, Newton back to the line from the side where it is smooth.
+/// Corners are kept to within the chord. Lines longer than maxPoints are given up.
+[[nodiscard]] std::vector<Contour> traceContours(const ClearanceAt& clearance,
+                                                 const std::vector<ContourSeed>& seeds,
+                                                 const ContourOptions& options);
+
+}  // namespace phront::cad

@@ -1,0 +1,341 @@
+#include "surfaces/parameter_plane.h"
+
+#include <BRepAlgoAPI_Splitter.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepLib.hxx>
+#include <BRepTools_WireExplorer.hxx>
+#include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom2dConvert.hxx>
+#include <Geom2d_BSplineCurve.hxx>
+#include <Geom2d_Line.hxx>
+#include <Geom2d_TrimmedCurve.hxx>
+#include <GeomAPI.hxx>
+#include <GeomAPI_PointsToBSpline.hxx>
+#include <Geom_Line.hxx>
+#include <Geom_Plane.hxx>
+#include <Geom_TrimmedCurve.hxx>
+#include <Precision.hxx>
+#include <TColgp_Array1OfPnt.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopTools_ListOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Iterator.hxx>
+#include <TopoDS_Wire.hxx>
+#include <algorithm>
+#include <cmath>
+#include <gp_Pln.hxx>
+
+#include "patches/patch_tools.h"
+
+namespace phront::cad {
+namespace {
+
+constexpr double kCorner = 0.5;    // rad between segments of a line: a corner
+constexpr double kOpen = 1e-3;     // of the domain: a gap between edges that is none
+constexpr int kLengthSamples = 8;  // along an edge, to see whether it is a point in space
+
+gp_Pnt planePoint(const Vec2& x) { return {x[0], x[1], 0}; }
+
+TopoDS_Edge plainEdge(const Handle(Geom_Curve) & curve, double first, double last,
+                      const TopoDS_Vertex& from, const TopoDS_Vertex& to, double tolerance) {
+  TopoDS_Edge edge;
+  const BRep_Builder builder;
+  builder.MakeEdge(edge, curve, tolerance);
+  builder.Add(edge, from.Oriented(TopAbs_FORWARD));
+  builder.Add(edge, to.Oriented(TopAbs_REVERSED));
+  builder.Range(edge, first, last);
+  return edge;
+}
+
+/// Straight, from a to b.
+TopoDS_Edge straightEdge(const TopoDS_Vertex& from, const TopoDS_Vertex& to, double tolerance) {
+  const gp_Pnt a = BRep_Tool::Pnt(from);
+  const gp_Pnt b = BRep_Tool::Pnt(to);
+  return plainEdge(new Geom_Line(a, gp_Dir(gp_Vec(a, b))), 0, a.Distance(b), from, to, tolerance);
+}
+
+/// A parameter curve in the plane, from its first to its last parameter.
+Handle(Geom_Curve)
+    scaled(const Handle(Geom2d_Curve) & curve, double first, double last, const Vec2& scale) {
+  const Handle(Geom2d_Curve) part = new Geom2d_TrimmedCurve(curve, first, last);
+  const Handle(Geom2d_BSplineCurve) spline = Geom2dConvert::CurveToBSplineCurve(part);
+  for (int i = 1; i <= spline->NbPoles(); ++i) {
+    const gp_Pnt2d pole = spline->Pole(i);
+    spline->SetPole(i, gp_Pnt2d(pole.X() * scale[0], pole.Y() * scale[1]));
+  }
+  return GeomAPI::To3d(spline, gp_Pln());
+}
+
+Handle(Geom2d_Curve)
+    unscaled(const Handle(Geom_Curve) & curve, double first, double last, const Vec2& scale) {
+  const Handle(Geom2d_Curve) flat = GeomAPI::To2d(curve, gp_Pln());
+  const Handle(Geom2d_BSplineCurve) spline =
+      Geom2dConvert::CurveToBSplineCurve(new Geom2d_TrimmedCurve(flat, first, last));
+  for (int i = 1; i <= spline->NbPoles(); ++i) {
+    const gp_Pnt2d pole = spline->Pole(i);
+    spline->SetPole(i, gp_Pnt2d(pole.X() / scale[0], pole.Y() / scale[1]));
+  }
+  if (spline->Degree() > 1 || spline->NbPoles() > 2) return Handle(Geom2d_Curve)(spline);
+  // Lines as lines, that curves in space become lines and circles.
+  const gp_Pnt2d a = spline->Pole(1);
+  const gp_Pnt2d b = spline->Pole(2);
+  return straightPcurve(a, b, spline->FirstParameter(), spline->LastParameter());
+}
+
+/// A loop's edge in the plane, in the direction of the loop.
+struct LoopEdge {
+  Handle(Geom_Curve) curve;
+  gp_Pnt from, to;
+  bool reversed = false;
+};
+
+std::vector<LoopEdge> loopEdges(const TopoDS_Wire& wire, const TopoDS_Face& face,
+                                const Vec2& scale) {
+  std::vector<LoopEdge> edges;
+  for (BRepTools_WireExplorer explorer(wire, face); explorer.More(); explorer.Next()) {
+    const TopoDS_Edge& edge = explorer.Current();
+    double first = 0;
+    double last = 0;
+    const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face, first, last);
+    if (curve.IsNull() || !(last - first > 0)) continue;
+    LoopEdge here;
+    here.curve = scaled(curve, first, last, scale);
+    here.reversed = edge.Orientation() == TopAbs_REVERSED;
+    here.from = here.curve->Value(here.curve->FirstParameter());
+    here.to = here.curve->Value(here.curve->LastParameter());
+    if (here.from.Distance(here.to) < Precision::Confusion() && here.curve->IsClosed() &&
+        here.curve->Value((here.curve->FirstParameter() + here.curve->LastParameter()) / 2)
+                .Distance(here.from) < Precision::Confusion())
+      continue;  // no length
+    if (here.reversed) std::swap(here.from, here.to);
+    edges.push_back(here);
+  }
+  return edges;
+}
+
+int edgeCount(const TopoDS_Wire& wire) {
+  int count = 0;
+  for (TopoDS_Iterator it(wire); it.More(); it.Next()) ++count;
+  return count;
+}
+
+Result<TopoDS_Wire> planarLoop(const std::vector<LoopEdge>& edges, double widestGap) {
+  std::vector<TopoDS_Vertex> corners;
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const gp_Pnt& end = edges[(i + edges.size() - 1) % edges.size()].to;
+    const double gap = end.Distance(edges[i].from);
+    if (gap > widestGap)
+      return fail(ErrorCode::Failed, "a loop of the face is open in its parameters");
+    const gp_Pnt middle(0.5 * (end.XYZ() + edges[i].from.XYZ()));
+    corners.push_back(makeVertex(middle, std::max(0.51 * gap, Precision::Confusion())));
+  }
+  TopoDS_Wire wire;
+  const BRep_Builder builder;
+  builder.MakeWire(wire);
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    const LoopEdge& e = edges[i];
+    TopoDS_Vertex from = corners[i];
+    TopoDS_Vertex to = corners[(i + 1) % edges.size()];
+    if (e.reversed) std::swap(from, to);
+    const TopoDS_Edge edge = plainEdge(e.curve, e.curve->FirstParameter(), e.curve->LastParameter(),
+                                       from, to, Precision::Confusion());
+    builder.Add(wire, edge.Oriented(e.reversed ? TopAbs_REVERSED : TopAbs_FORWARD));
+  }
+  wire.Closed(Standard_True);
+  return wire;
+}
+
+/// Through points without corners.
+Handle(Geom_Curve) smoothCurve(const std::vector<Vec2>& points, double chord) {
+  TColgp_Array1OfPnt array(1, static_cast<int>(points.size()));
+  for (std::size_t i = 0; i < points.size(); ++i)
+    array(static_cast<int>(i) + 1) = planePoint(points[i]);
+  if (points.size() > 3) {
+    try {
+      const GeomAPI_PointsToBSpline fit(array, 3, 6, GeomAbs_C2, 0.5 * chord);
+      if (fit.IsDone()) return Handle(Geom_Curve)(fit.Curve());
+    } catch (const Standard_Failure&) {
+      // The polygon does.
+    }
+  }
+  const GeomAPI_PointsToBSpline polygon(array, 1, 1, GeomAbs_C0, 0.1 * chord);
+  return Handle(Geom_Curve)(polygon.Curve());
+}
+
+}  // namespace
+
+Result<TopoDS_Face> ParameterPlane::domainOf(const TopoDS_Face& original) const {
+  const TopoDS_Face face = TopoDS::Face(original.Oriented(TopAbs_FORWARD));
+  double size = 0;
+  std::vector<std::vector<LoopEdge>> loops;
+  for (TopExp_Explorer wires(face, TopAbs_WIRE); wires.More(); wires.Next()) {
+    const TopoDS_Wire wire = TopoDS::Wire(wires.Current());
+    std::vector<LoopEdge> edges = loopEdges(wire, face, scale_);
+    if (static_cast<int>(edges.size()) > edgeCount(wire) || edges.empty()) continue;
+    for (const LoopEdge& e : edges) size = std::max(size, e.from.Distance(edges.front().from));
+    loops.push_back(std::move(edges));
+  }
+  if (loops.empty()) return fail(ErrorCode::Failed, "the face has no loops in its parameters");
+  TopoDS_Face domain;
+  const BRep_Builder builder;
+  builder.MakeFace(domain, new Geom_Plane(gp_Pln()), Precision::Confusion());
+  for (const std::vector<LoopEdge>& edges : loops) {
+    const Result<TopoDS_Wire> wire = planarLoop(edges, kOpen * size);
+    if (!wire) return tl::unexpected(wire.error());
+    builder.Add(domain, *wire);
+  }
+  return domain;
+}
+
+std::vector<TopoDS_Edge> ParameterPlane::edgesAlong(const std::vector<Contour>& lines,
+                                                    double chord) {
+  std::vector<TopoDS_Edge> edges;
+  for (const Contour& line : lines) {
+    std::vector<Vec2> points = line.points;
+    if (line.closed && !points.empty()) points.push_back(points.front());
+    std::vector<std::size_t> corners{0};
+    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+      const Vec2 before = points[i] - points[i - 1];
+      const Vec2 after = points[i + 1] - points[i];
+      const double angle =
+          std::atan2(before[0] * after[1] - before[1] * after[0], before.dot(after));
+      if (std::abs(angle) > kCorner) corners.push_back(i);
+    }
+    if (points.size() < 2) continue;
+    corners.push_back(points.size() - 1);
+    // A closed line is cut in two at least: edges end in different points.
+    if (line.closed && corners.size() == 2) corners.insert(corners.begin() + 1, points.size() / 2);
+    std::vector<TopoDS_Vertex> ends;
+    for (const std::size_t c : corners)
+      ends.push_back(makeVertex(planePoint(points[c]), Precision::Confusion()));
+    if (line.closed) ends.back() = ends.front();
+    for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
+      const std::vector<Vec2> part(
+          points.begin() + static_cast<std::ptrdiff_t>(corners[k]),
+          points.begin() + static_cast<std::ptrdiff_t>(corners[k + 1]) + 1);
+      if ((part.front() - part.back()).norm() < 10 * Precision::Confusion()) continue;
+      const Handle(Geom_Curve) curve = smoothCurve(part, chord);
+      edges.push_back(plainEdge(curve, curve->FirstParameter(), curve->LastParameter(), ends[k],
+                                ends[k + 1], Precision::Confusion()));
+    }
+  }
+  return edges;
+}
+
+TopoDS_Edge ParameterPlane::edgeBetween(const Vec2& a, const Vec2& b) const {
+  return straightEdge(makeVertex(planePoint(toPlane(a)), Precision::Confusion()),
+                      makeVertex(planePoint(toPlane(b)), Precision::Confusion()),
+                      Precision::Confusion());
+}
+
+Result<std::vector<TopoDS_Face>> ParameterPlane::split(const TopoDS_Face& domain,
+                                                       const std::vector<TopoDS_Edge>& edges) {
+  std::vector<TopoDS_Face> faces;
+  if (edges.empty()) {
+    faces.push_back(domain);
+    return faces;
+  }
+  TopTools_ListOfShape arguments;
+  TopTools_ListOfShape tools;
+  arguments.Append(domain);
+  for (const TopoDS_Edge& edge : edges) tools.Append(edge);
+  BRepAlgoAPI_Splitter splitter;
+  splitter.SetArguments(arguments);
+  splitter.SetTools(tools);
+  splitter.SetNonDestructive(Standard_True);
+  splitter.Build();
+  if (!splitter.IsDone() || splitter.HasErrors())
+    return fail(ErrorCode::Failed, "the domain of the face could not be cut");
+  for (TopExp_Explorer it(splitter.Shape(), TopAbs_FACE); it.More(); it.Next())
+    faces.push_back(TopoDS::Face(it.Current()));
+  return faces;
+}
+
+Result<TopoDS_Face> ParameterPlane::onSurface(const TopoDS_Face& domain,
+                                              const Handle(Geom_Surface) & surface,
+                                              double tolerance) const {
+  const BRep_Builder builder;
+  TopTools_IndexedMapOfShape flatVertices;
+  TopExp::MapShapes(domain, TopAbs_VERTEX, flatVertices);
+  std::vector<TopoDS_Vertex> vertices(static_cast<std::size_t>(flatVertices.Extent()) + 1);
+  const auto pointAt = [&](const gp_Pnt& flat) {
+    const Vec2 uv = fromPlane({flat.X(), flat.Y()});
+    return surface->Value(uv[0], uv[1]);
+  };
+  TopTools_IndexedMapOfShape flatEdges;
+  TopExp::MapShapes(domain, TopAbs_EDGE, flatEdges);
+  // An edge that is a point in space has one vertex.
+  std::vector<bool> isPoint(static_cast<std::size_t>(flatEdges.Extent()) + 1, false);
+  for (int e = 1; e <= flatEdges.Extent(); ++e) {
+    double first = 0;
+    double last = 0;
+    const Handle(Geom_Curve) curve = BRep_Tool::Curve(TopoDS::Edge(flatEdges(e)), first, last);
+    if (curve.IsNull()) return fail(ErrorCode::Failed, "a cut edge has no curve");
+    const gp_Pnt start = pointAt(curve->Value(first));
+    double length = 0;
+    for (int i = 1; i <= kLengthSamples; ++i)
+      length = std::max(
+          length,
+          start.Distance(pointAt(curve->Value(first + (last - first) * i / kLengthSamples))));
+    isPoint[static_cast<std::size_t>(e)] = length < Precision::Confusion();
+  }
+  for (int e = 1; e <= flatEdges.Extent(); ++e) {
+    if (!isPoint[static_cast<std::size_t>(e)]) continue;
+    const TopoDS_Edge& edge = TopoDS::Edge(flatEdges(e));
+    const auto from = static_cast<std::size_t>(flatVertices.FindIndex(TopExp::FirstVertex(edge)));
+    const auto to = static_cast<std::size_t>(flatVertices.FindIndex(TopExp::LastVertex(edge)));
+    TopoDS_Vertex vertex = !vertices[from].IsNull() ? vertices[from] : vertices[to];
+    if (vertex.IsNull())
+      vertex =
+          makeVertex(pointAt(BRep_Tool::Pnt(TopExp::FirstVertex(edge))), Precision::Confusion());
+    vertices[from] = vertices[to] = vertex;
+  }
+  for (int v = 1; v <= flatVertices.Extent(); ++v) {
+    TopoDS_Vertex& vertex = vertices[static_cast<std::size_t>(v)];
+    if (vertex.IsNull())
+      vertex = makeVertex(pointAt(BRep_Tool::Pnt(TopoDS::Vertex(flatVertices(v)))),
+                          Precision::Confusion());
+  }
+  std::vector<TopoDS_Edge> edges(static_cast<std::size_t>(flatEdges.Extent()) + 1);
+  const TopLoc_Location nowhere;
+  for (int e = 1; e <= flatEdges.Extent(); ++e) {
+    const TopoDS_Edge flat = TopoDS::Edge(flatEdges(e).Oriented(TopAbs_FORWARD));
+    double first = 0;
+    double last = 0;
+    const Handle(Geom_Curve) curve = BRep_Tool::Curve(flat, first, last);
+    TopoDS_Edge& edge = edges[static_cast<std::size_t>(e)];
+    builder.MakeEdge(edge);
+    const auto vertexOf = [&](const TopoDS_Vertex& v) {
+      return vertices[static_cast<std::size_t>(flatVertices.FindIndex(v))];
+    };
+    builder.Add(edge, vertexOf(TopExp::FirstVertex(flat)).Oriented(TopAbs_FORWARD));
+    builder.Add(edge, vertexOf(TopExp::LastVertex(flat)).Oriented(TopAbs_REVERSED));
+    const Handle(Geom2d_Curve) pcurve = unscaled(curve, first, last, scale_);
+    builder.UpdateEdge(edge, pcurve, surface, nowhere, Precision::Confusion());
+    builder.Range(edge, surface, nowhere, first, last);
+    builder.Range(edge, first, last);
+    if (isPoint[static_cast<std::size_t>(e)]) builder.Degenerated(edge, Standard_True);
+  }
+  TopoDS_Face face;
+  builder.MakeFace(face, surface, Precision::Confusion());
+  for (TopoDS_Iterator wires(domain.Oriented(TopAbs_FORWARD)); wires.More(); wires.Next()) {
+    if (wires.Value().ShapeType() != TopAbs_WIRE) continue;
+    TopoDS_Wire wire;
+    builder.MakeWire(wire);
+    for (TopoDS_Iterator it(wires.Value()); it.More(); it.Next()) {
+      const TopoDS_Edge& edge = edges[static_cast<std::size_t>(flatEdges.FindIndex(it.Value()))];
+      builder.Add(wire, edge.Oriented(it.Value().Orientation()));
+    }
+    wire.Closed(Standard_True);
+    builder.Add(face, wire.Oriented(wires.Value().Orientation()));
+  }
+  if (!BRepLib::BuildCurves3d(face, tolerance, GeomAbs_C1))
+    return fail(ErrorCode::Failed, "edges of the offset have no curves in space");
+  settleTolerances({face});
+  return face;
+}
+
+}  // namespace phront::cad

@@ -1,0 +1,442 @@
+#include "surfaces/trimmed_offset.h"
+
+#include <BOPTools_AlgoTools3D.hxx>
+#include <BRepTools.hxx>
+#include <BRepTopAdaptor_FClass2d.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom2d_Curve.hxx>
+#include <Geom_BSplineCurve.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <Geom_BezierCurve.hxx>
+#include <Geom_BezierSurface.hxx>
+#include <Geom_SweptSurface.hxx>
+#include <IntTools_Context.hxx>
+#include <Precision.hxx>
+#include <Standard_Failure.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "exchange/guard.h"
+#include "patches/patch_tools.h"
+#include "surfaces/offset_geom.h"
+#include "surfaces/parameter_plane.h"
+#include "tessellate/face_surface.h"
+
+namespace phront::cad {
+namespace {
+
+constexpr double kFitShare = 0.4;    // of the tolerance, for the surfaces
+constexpr double kCutShare = 0.5;    // nearer than |d| by this: cut off
+constexpr double kChordShare = 0.2;  // of the cut lines from the true ones
+constexpr double kGridPitch = 2;     // |d| between samples inside
+constexpr int kLeastGrid = 8;
+constexpr int kMostGrid = 48;
+constexpr double kBorderPitch = 0.5;  // |d| between samples on loops
+constexpr int kLeastOnEdge = 8;
+constexpr int kMostOnEdge = 200;
+constexpr double kLongestStep = 1;  // |d|, of lines
+constexpr int kInwardDoublings = 16;
+constexpr double kMargin = 0.01;  // of the domain: how far lines run beyond it
+constexpr int kMeasured = 14;     // per direction, of each trimmed surface
+
+Vec2 vec2(const gp_Pnt2d& p) { return {p.X(), p.Y()}; }
+
+/// One piece of the offset of a face, its clearance and where that is negative.
+class PieceTrimmer {
+ public:
+  PieceTrimmer(const TopoDS_Face& face, const OffsetPiece& piece, bool solid, double distance,
+               double tolerance, const TrueDistance& phi)
+      : face_(TopoDS::Face(face.Oriented(TopAbs_FORWARD))),
+        inFace_(face_, Precision::PConfusion()),
+        piece_(piece),
+        solid_(solid),
+        distance_(distance),
+        tolerance_(tolerance),
+        phi_(phi),
+        plane_(scaleOf(piece)) {
+    low_ = plane_.toPlane({piece.box.u.low, piece.box.v.low});
+    high_ = plane_.toPlane({piece.box.u.high, piece.box.v.high});
+  }
+
+  /// Faces on the piece's surface, FORWARD. `cutAtBox`: the face reaches beyond the piece.
+  Result<std::vector<TopoDS_Face>> trimmed(bool cutAtBox, bool& whole) {
+    sampleInside();
+    sampleLoops();
+    std::vector<TopoDS_Face> none;
+    if (valid_ == 0) return none;
+    const std::vector<Contour> lines = linesToCut();
+    whole = lines.empty() && !cutAtBox;
+    if (whole && seeds_.empty()) return untouched();
+    const Result<TopoDS_Face> domain = plane_.domainOf(face_);
+    if (!domain) return tl::unexpected(domain.error());
+    std::vector<TopoDS_Edge> edges = ParameterPlane::edgesAlong(lines, chord());
+    if (cutAtBox) addBox(edges);
+    const Result<std::vector<TopoDS_Face>> parts = ParameterPlane::split(*domain, edges);
+    if (!parts) return tl::unexpected(parts.error());
+    std::vector<TopoDS_Face> faces;
+    for (const TopoDS_Face& part : *parts) {
+      if (!alive(part)) continue;
+      const Result<TopoDS_Face> face = plane_.onSurface(part, piece_.surface, chord());
+      if (!face) return tl::unexpected(face.error());
+      faces.push_back(*face);
+    }
+    return faces;
+  }
+
+  /// Largest | |phi| - |d| | of samples of a trimmed face.
+  [[nodiscard]] double deviation(const TopoDS_Face& face) const {
+    const BRepTopAdaptor_FClass2d inside(face, Precision::PConfusion());
+    double u0 = 0;
+    double u1 = 0;
+    double v0 = 0;
+    double v1 = 0;
+    BRepTools::UVBounds(face, u0, u1, v0, v1);
+    double most = 0;
+    for (int i = 0; i < kMeasured; ++i) {
+      for (int j = 0; j < kMeasured; ++j) {
+        const double u = u0 + (u1 - u0) * (i + 0.5) / kMeasured;
+        const double v = v0 + (v1 - v0) * (j + 0.5) / kMeasured;
+        if (inside.Perform(gp_Pnt2d(u, v)) != TopAbs_IN) continue;
+        most = std::max(most, std::abs(level(plane_.toPlane({u, v})) - std::abs(distance_)));
+      }
+    }
+    return most;
+  }
+
+ private:
+  static ParameterPlane scaleOf(const OffsetPiece& piece) {
+    // Typical lengths, that the plane resembles the surface.
+    double u = 0;
+    double v = 0;
+    constexpr int kSamples = 5;
+    for (int i = 0; i < kSamples; ++i) {
+      for (int j = 0; j < kSamples; ++j) {
+        const auto at = [&](const Interval& t, int k) {
+          return t.low + (t.high - t.low) * (k + 0.5) / kSamples;
+        };
+        gp_Pnt p;
+        gp_Vec du;
+        gp_Vec dv;
+        piece.surface->D1(at(piece.box.u, i), at(piece.box.v, j), p, du, dv);
+        u = std::max(u, du.Magnitude());
+        v = std::max(v, dv.Magnitude());
+      }
+    }
+    return {u > 0 ? u : 1, v > 0 ? v : 1};
+  }
+
+  [[nodiscard]] double chord() const { return kChordShare * tolerance_; }
+
+  [[nodiscard]] Vec3 pointAt(const Vec2& x) const {
+    const Vec2 uv = plane_.fromPlane(x);
+    return toVec3(piece_.surface->Value(uv[0], uv[1]).XYZ());
+  }
+
+  /// Distance from the shape on the side where the offset belongs.
+  [[nodiscard]] double level(const Vec2& x) const {
+    const TrueDistance::Foot foot = phi_.foot(pointAt(x));
+    return solid_ ? std::copysign(1, distance_) * foot.sign * foot.distance : foot.distance;
+  }
+
+  [[nodiscard]] Clearance clearance(const Vec2& x) const {
+    const Vec2 uv = plane_.fromPlane(x);
+    gp_Pnt p;
+    gp_Vec du;
+    gp_Vec dv;
+    piece_.surface->D1(uv[0], uv[1], p, du, dv);
+    const Vec3 q = toVec3(p.XYZ());
+    const TrueDistance::Foot foot = phi_.foot(q);
+    const double side = solid_ ? std::copysign(1, distance_) * foot.sign : 1;
+    const Vec3 up = side * (q - foot.point).normalized();
+    return {side * foot.distance - std::abs(distance_) + kCutShare * tolerance_,
+            {up.dot(toVec3(du.XYZ())) / plane_.scale()[0],
+             up.dot(toVec3(dv.XYZ())) / plane_.scale()[1]}};
+  }
+  [[nodiscard]] bool valid(const Vec2& x) const {
+    return level(x) >= std::abs(distance_) - kCutShare * tolerance_;
+  }
+  [[nodiscard]] bool inFace(const Vec2& x) {
+    const Vec2 uv = plane_.fromPlane(x);
+    const TopAbs_State state = inFace_.Perform(gp_Pnt2d(uv[0], uv[1]));
+    return state == TopAbs_IN || state == TopAbs_ON;
+  }
+  [[nodiscard]] bool inBox(const Vec2& x) const {
+    return (x.array() >= low_.array()).all() && (x.array() <= high_.array()).all();
+  }
+
+  void sampleInside() {
+    const double pitch = kGridPitch * std::abs(distance_);
+    const auto cells = [&](double length) {
+      return static_cast<int>(std::clamp(length / pitch, double(kLeastGrid), double(kMostGrid)));
+    };
+    const int nu = cells(high_[0] - low_[0]);
+    const int nv = cells(high_[1] - low_[1]);
+    struct Node {
+      Vec2 at;
+      bool inside = false, valid = false;
+    };
+    std::vector<Node> nodes;
+    for (int j = 0; j < nv; ++j) {
+      for (int i = 0; i < nu; ++i) {
+        const Vec2 share((i + 0.5) / nu, (j + 0.5) / nv);
+        Node node{low_ + share.cwiseProduct(high_ - low_)};
+        node.inside = inFace(node.at);
+        node.valid = valid(node.at);
+        if (node.inside && node.valid) ++valid_;
+        nodes.push_back(node);
+      }
+    }
+    const auto look = [&](const Node& a, const Node& b) {
+      if (a.valid == b.valid || (!a.inside && !b.inside)) return;
+      seeds_.push_back(a.valid ? ContourSeed{b.at, a.at} : ContourSeed{a.at, b.at});
+    };
+    for (int j = 0; j < nv; ++j) {
+      for (int i = 0; i < nu; ++i) {
+        const Node& here = nodes[static_cast<std::size_t>(i + j * nu)];
+        if (i > 0) look(nodes[static_cast<std::size_t>(i - 1 + j * nu)], here);
+        if (j > 0) look(nodes[static_cast<std::size_t>(i + (j - 1) * nu)], here);
+      }
+    }
+  }
+
+  /// Fronts of neighbours cut a face off along its edges first.
+  void sampleLoops() {
+    for (TopExp_Explorer it(face_, TopAbs_EDGE); it.More(); it.Next()) {
+      const TopoDS_Edge& edge = TopoDS::Edge(it.Current());
+      double first = 0;
+      double last = 0;
+      const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face_, first, last);
+      if (curve.IsNull()) continue;
+      const auto at = [&](double share) {
+        return plane_.toPlane(vec2(curve->Value(first + share * (last - first))));
+      };
+      double length = 0;
+      for (int i = 0; i < kLeastOnEdge; ++i)
+        length += (at(double(i + 1) / kLeastOnEdge) - at(double(i) / kLeastOnEdge)).norm();
+      const int count = static_cast<int>(std::clamp(length / (kBorderPitch * std::abs(distance_)),
+                                                    double(kLeastOnEdge), double(kMostOnEdge)));
+      struct Sample {
+        Vec2 at = Vec2::Zero();
+        bool here = false, valid = false;
+      };
+      std::vector<Sample> samples;
+      for (int i = 0; i <= count; ++i) {
+        Sample sample{at(double(i) / count)};
+        sample.here = inBox(sample.at);
+        sample.valid = sample.here && valid(sample.at);
+        samples.push_back(sample);
+      }
+      const double forward = edge.Orientation() == TopAbs_REVERSED ? -1 : 1;
+      for (std::size_t i = 0; i < samples.size(); ++i) {
+        const Sample& sample = samples[i];
+        if (!sample.here) continue;
+        if (i > 0 && samples[i - 1].here && sample.valid != samples[i - 1].valid)
+          seeds_.push_back(sample.valid ? ContourSeed{samples[i - 1].at, sample.at}
+                                        : ContourSeed{sample.at, samples[i - 1].at});
+        if (sample.valid) continue;
+        const std::size_t last = std::min(i + 1, samples.size() - 1);
+        const Vec2 along = forward * (samples[last].at - samples[i > 0 ? i - 1 : 0].at);
+        if (along.norm() > 0) seedInwards(sample.at, Vec2(-along[1], along[0]).normalized());
+      }
+    }
+  }
+
+  /// From an invalid point of a loop to the first valid one inside.
+  void seedInwards(const Vec2& x, const Vec2& inward) {
+    Vec2 last = x;
+    double step = chord();
+    const double reach = (high_ - low_).norm();
+    for (int k = 0; k < kInwardDoublings && step < reach; ++k, step *= 2) {
+      const Vec2 next = x + step * inward;
+      if (!inFace(next)) return;
+      if (valid(next)) {
+        ++valid_;
+        seeds_.push_back({last, next});
+        return;
+      }
+      last = next;
+    }
+  }
+
+  [[nodiscard]] std::vector<Contour> linesToCut() const {
+    ContourOptions options;
+    const Vec2 margin = kMargin * (high_ - low_);
+    options.low = low_ - margin;
+    options.high = high_ + margin;
+    options.chord = chord();
+    options.longestStep = kLongestStep * std::abs(distance_);
+    return traceContours([this](const Vec2& x) { return clearance(x); }, seeds_, options);
+  }
+
+  void addBox(std::vector<TopoDS_Edge>& edges) const {
+    const Vec2 margin = kMargin * (high_ - low_);
+    const ParameterBox& b = piece_.box;
+    const Vec2 extra = plane_.fromPlane(margin);
+    for (const double u : {b.u.low, b.u.high})
+      edges.push_back(plane_.edgeBetween({u, b.v.low - extra[1]}, {u, b.v.high + extra[1]}));
+    for (const double v : {b.v.low, b.v.high})
+      edges.push_back(plane_.edgeBetween({b.u.low - extra[0], v}, {b.u.high + extra[0], v}));
+  }
+
+  /// Whether most points inside a part of the domain are valid, and in this piece.
+  [[nodiscard]] bool alive(const TopoDS_Face& part) {
+    const Handle(IntTools_Context) context = new IntTools_Context;
+    int good = 0;
+    int bad = 0;
+    const auto look = [&](const gp_Pnt& p) {
+      const Vec2 x(p.X(), p.Y());
+      (inBox(x) && valid(x) ? good : bad) += 1;
+    };
+    gp_Pnt p;
+    gp_Pnt2d uv;
+    if (BOPTools_AlgoTools3D::PointInFace(part, p, uv, context) == 0) look(p);
+    double u0 = 0;
+    double u1 = 0;
+    double v0 = 0;
+    double v1 = 0;
+    BRepTools::UVBounds(part, u0, u1, v0, v1);
+    const BRepTopAdaptor_FClass2d inside(part, Precision::PConfusion());
+    constexpr int kLooks = 6;
+    for (int i = 0; i < kLooks; ++i) {
+      for (int j = 0; j < kLooks; ++j) {
+        const gp_Pnt2d x(u0 + (u1 - u0) * (i + 0.5) / kLooks, v0 + (v1 - v0) * (j + 0.5) / kLooks);
+        if (inside.Perform(x) == TopAbs_IN) look(gp_Pnt(x.X(), x.Y(), 0));
+      }
+    }
+    return good > bad;
+  }
+
+  /// All of the face, with its loops as they are.
+  [[nodiscard]] Result<std::vector<TopoDS_Face>> untouched() const {
+    const Result<TopoDS_Face> domain = plane_.domainOf(face_);
+    if (!domain) return tl::unexpected(domain.error());
+    const Result<TopoDS_Face> face = plane_.onSurface(*domain, piece_.surface, chord());
+    if (!face) return tl::unexpected(face.error());
+    return std::vector<TopoDS_Face>{*face};
+  }
+
+  TopoDS_Face face_;
+  BRepTopAdaptor_FClass2d inFace_;
+  const OffsetPiece& piece_;
+  bool solid_;
+  double distance_;
+  double tolerance_;
+  const TrueDistance& phi_;
+  ParameterPlane plane_;
+  Vec2 low_, high_;
+  std::vector<ContourSeed> seeds_;
+  int valid_ = 0;
+};
+
+int polesOf(const Handle(Geom_Surface) & surface) {
+  if (const auto spline = Handle(Geom_BSplineSurface)::DownCast(surface); !spline.IsNull())
+    return spline->NbUPoles() * spline->NbVPoles();
+  if (const auto bezier = Handle(Geom_BezierSurface)::DownCast(surface); !bezier.IsNull())
+    return bezier->NbUPoles() * bezier->NbVPoles();
+  const auto swept = Handle(Geom_SweptSurface)::DownCast(surface);
+  if (swept.IsNull()) return 0;
+  if (const auto spline = Handle(Geom_BSplineCurve)::DownCast(swept->BasisCurve());
+      !spline.IsNull())
+    return spline->NbPoles();
+  if (const auto bezier = Handle(Geom_BezierCurve)::DownCast(swept->BasisCurve()); !bezier.IsNull())
+    return bezier->NbPoles();
+  return 0;
+}
+
+/// The face's parameters, kept to the surface's.
+ParameterBox boxOf(const TopoDS_Face& face, const Geom_Surface& surface) {
+  ParameterBox box;
+  BRepTools::UVBounds(face, box.u.low, box.u.high, box.v.low, box.v.high);
+  ParameterBox all;
+  surface.Bounds(all.u.low, all.u.high, all.v.low, all.v.high);
+  const auto kept = [](const Interval& part, const Interval& whole, bool periodic) {
+    if (periodic) return part;
+    return Interval{std::max(part.low, whole.low), std::min(part.high, whole.high)};
+  };
+  box.u = kept(box.u, all.u, surface.IsUPeriodic());
+  box.v = kept(box.v, all.v, surface.IsVPeriodic());
+  return box;
+}
+
+/// 1 when S_u x S_v of the surface points out of the face, -1 when into it.
+std::optional<double> sideOf(const TopoDS_Face& face, const Geom_Surface& surface,
+                             const ParameterBox& box) {
+  const FaceSurface oriented(face);
+  constexpr int kTries = 7;
+  for (int i = 0; i < kTries; ++i) {
+    const double share = (i + 1.0) / (kTries + 1);
+    const Vec2 uv(box.u.low + share * (box.u.high - box.u.low),
+                  box.v.low + (1 - share) * (box.v.high - box.v.low));
+    Vec3 point;
+    Vec3 normal;
+    if (!oriented.pointAndNormal(uv, point, normal)) continue;
+    gp_Pnt p;
+    gp_Vec du;
+    gp_Vec dv;
+    surface.D1(uv[0], uv[1], p, du, dv);
+    const double agreement = normal.dot(toVec3(du.Crossed(dv).XYZ()));
+    if (agreement != 0) return std::copysign(1, agreement);
+  }
+  return std::nullopt;
+}
+
+Result<TrimmedOffset> offsetFaceOrFail(const TopoDS_Face& face, bool solid, double distance,
+                                       double tolerance, const TrueDistance& phi) {
+  TrimmedOffset result;
+  FaceOffset& report = result.report;
+  const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
+  if (surface.IsNull()) return fail(ErrorCode::Failed, "the face has no surface");
+  report.type = FaceSurface(face).type();
+  report.inputPoles = polesOf(surface);
+  const ParameterBox box = boxOf(face, *surface);
+  const std::optional<double> side = sideOf(face, *surface, box);
+  if (!side) return fail(ErrorCode::Failed, "the face has no normal");
+  const Result<std::vector<OffsetPiece>> pieces = offsetGeom(surface, box,
+                                                             {.distance = *side * distance,
+                                                              .tolerance = kFitShare * tolerance,
+                                                              .knots = KnotRule::Fewest});
+  if (!pieces) return tl::unexpected(pieces.error());
+  bool exact = true;
+  report.whole = !pieces->empty();
+  for (const OffsetPiece& piece : *pieces) {
+    exact = exact && piece.exact;
+    report.poles += polesOf(piece.surface);
+    report.fitError = std::max(report.fitError, piece.error);
+    const bool cutAtBox = pieces->size() > 1 || piece.box.u.low > box.u.low ||
+                          piece.box.u.high < box.u.high || piece.box.v.low > box.v.low ||
+                          piece.box.v.high < box.v.high;
+    PieceTrimmer trimmer(face, piece, solid, distance, tolerance, phi);
+    bool whole = false;
+    Result<std::vector<TopoDS_Face>> faces = trimmer.trimmed(cutAtBox, whole);
+    if (!faces) return tl::unexpected(faces.error());
+    report.whole = report.whole && whole;
+    for (TopoDS_Face& trimmed : *faces) {
+      report.deviation = std::max(report.deviation, trimmer.deviation(trimmed));
+      result.faces.push_back(
+          TopoDS::Face(trimmed.Oriented(*side > 0 ? TopAbs_FORWARD : TopAbs_REVERSED)));
+    }
+  }
+  report.surfaces = static_cast<int>(result.faces.size());
+  if (result.faces.empty())
+    report.kind = FaceOffsetKind::Vanished;
+  else
+    report.kind = exact ? FaceOffsetKind::Exact : FaceOffsetKind::Fitted;
+  return result;
+}
+
+}  // namespace
+
+TrimmedOffset offsetTrimmedFace(const TopoDS_Face& face, bool solid, double distance,
+                                double tolerance, const TrueDistance& phi) {
+  Result<TrimmedOffset> result = guardOcct(
+      "offsetting a face", [&] { return offsetFaceOrFail(face, solid, distance, tolerance, phi); });
+  if (result) return std::move(*result);
+  TrimmedOffset failed;
+  failed.report.trouble = result.error().message;
+  return failed;
+}
+
+}  // namespace phront::cad
