@@ -78,26 +78,38 @@ bool freeform(const Handle(Geom_Surface) & surface) {
   return true;
 }
 
-/// Largest distance from P + d n where there is a normal.
+/// Calls visit(u, v) at the nodes of a grid over a box.
+template <class Visit>
+void overGrid(const ParameterBox& box, const Visit& visit) {
+  for (int i = 0; i <= kGrid; ++i) {
+    for (int j = 0; j <= kGrid; ++j)
+      visit(box.u.low + (box.u.high - box.u.low) * i / kGrid,
+            box.v.low + (box.v.high - box.v.low) * j / kGrid);
+  }
+}
+
+/// Largest distance from P + d n where there is a normal. Where the original folds back on itself
+/// S_u x S_v turns over; either side is right there.
 double errorOf(const Geom_Surface& original, const Geom_Surface& offset, const ParameterBox& box,
                double distance) {
-  double most = 0;
+  gp_Pnt p;
+  gp_Vec du;
+  gp_Vec dv;
   double typical = 0;
-  for (int i = 0; i <= kGrid; ++i) {
-    for (int j = 0; j <= kGrid; ++j) {
-      const double u = box.u.low + (box.u.high - box.u.low) * i / kGrid;
-      const double v = box.v.low + (box.v.high - box.v.low) * j / kGrid;
-      gp_Pnt p;
-      gp_Vec du;
-      gp_Vec dv;
-      original.D1(u, v, p, du, dv);
-      gp_Vec n = du.Crossed(dv);
-      typical = std::max(typical, n.Magnitude());
-      if (n.Magnitude() < kNoNormal * typical) continue;
-      n.Normalize();
-      most = std::max(most, offset.Value(u, v).Distance(p.Translated(n * distance)));
-    }
-  }
+  overGrid(box, [&](double u, double v) {
+    original.D1(u, v, p, du, dv);
+    typical = std::max(typical, du.Crossed(dv).Magnitude());
+  });
+  double most = 0;
+  overGrid(box, [&](double u, double v) {
+    original.D1(u, v, p, du, dv);
+    gp_Vec n = du.Crossed(dv);
+    if (!(n.Magnitude() > kNoNormal * typical)) return;
+    n.Normalize();
+    const gp_Pnt q = offset.Value(u, v);
+    most = std::max(most, std::min(q.Distance(p.Translated(n * distance)),
+                                   q.Distance(p.Translated(n * -distance))));
+  });
   return most;
 }
 

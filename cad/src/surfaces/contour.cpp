@@ -14,6 +14,7 @@ constexpr int kBisections = 40;
 constexpr int kNewtonSteps = 6;
 constexpr double kMostTurn = 0.35;       // rad in one step
 constexpr double kMostCorrection = 0.3;  // of a step
+constexpr double kCheckedStep = 8;       // chords: shorter steps miss nothing between
 constexpr double kShortestStep = 0.5;    // of the chord
 constexpr int kDirections = 24;          // looked into at a corner
 constexpr double kSameLine = 3;          // chords: seeds nearer to a line belong to it
@@ -31,13 +32,12 @@ class Tracer {
   Tracer(const ClearanceAt& clearance, const ContourOptions& options)
       : clearance_(clearance), options_(options) {}
 
-  std::vector<Contour> run(const std::vector<ContourSeed>& seeds) {
+  void run(const std::vector<ContourSeed>& seeds, std::vector<Contour>& lines) const {
     for (const ContourSeed& seed : seeds) {
       const std::optional<OnLine> start = between(seed.without, seed.with);
-      if (!start || known(start->at)) continue;
-      if (std::optional<Contour> line = traced(*start)) lines_.push_back(std::move(*line));
+      if (!start || isOn(lines, start->at)) continue;
+      if (std::optional<Contour> line = traced(*start)) lines.push_back(std::move(*line));
     }
-    return std::move(lines_);
   }
 
  private:
@@ -115,6 +115,15 @@ class Tracer {
     return std::nullopt;
   }
 
+  /// Whether the line between two of its points keeps to the chord in the middle, too.
+  [[nodiscard]] bool straight(const OnLine& from, const OnLine& to) const {
+    const Vec2 along = to.at - from.at;
+    if (along.norm() <= kCheckedStep * options_.chord) return true;
+    const Vec2 middle = from.at + 0.5 * along;
+    const auto there = corrected(middle, -leftOf(from.tangent), kMostCorrection * along.norm());
+    return there && (there->at - middle).norm() <= options_.chord;
+  }
+
   [[nodiscard]] std::optional<OnLine> next(const OnLine& from, double& step) const {
     const double shortest = kShortestStep * options_.chord;
     const Vec2 down = -leftOf(from.tangent);
@@ -124,6 +133,7 @@ class Tracer {
       if (!to) continue;
       const double turn = std::acos(std::clamp(from.tangent.dot(to->tangent), -1.0, 1.0));
       if (turn > kMostTurn || step * turn / 8 > options_.chord) continue;
+      if (!straight(from, *to)) continue;
       if (turn < kMostTurn / 4) step = std::min(2 * step, options_.longestStep);
       return to;
     }
@@ -184,9 +194,9 @@ class Tracer {
     return line;
   }
 
-  [[nodiscard]] bool known(const Vec2& x) const {
+  [[nodiscard]] bool isOn(const std::vector<Contour>& lines, const Vec2& x) const {
     const double near = kSameLine * options_.chord;
-    for (const Contour& line : lines_) {
+    for (const Contour& line : lines) {
       const std::size_t count = line.points.size();
       for (std::size_t i = 0; i + (line.closed ? 0 : 1) < count; ++i) {
         const Vec2& a = line.points[i];
@@ -201,15 +211,13 @@ class Tracer {
 
   const ClearanceAt& clearance_;
   const ContourOptions& options_;
-  std::vector<Contour> lines_;
 };
 
 }  // namespace
 
-std::vector<Contour> traceContours(const ClearanceAt& clearance,
-                                   const std::vector<ContourSeed>& seeds,
-                                   const ContourOptions& options) {
-  return Tracer(clearance, options).run(seeds);
+void traceContours(const ClearanceAt& clearance, const std::vector<ContourSeed>& seeds,
+                   const ContourOptions& options, std::vector<Contour>& lines) {
+  Tracer(clearance, options).run(seeds, lines);
 }
 
 }  // namespace phront::cad

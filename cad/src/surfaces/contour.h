@@ -36,11 +36,16 @@ struct Contour {
   bool closed = false;  ///< the last point is followed by the first
 };
 
-/// Lines of clearance 0 through the seeds, each once, by predictor and corrector (Allgower & Georg
-/// 1990): steps along the tangent, Newton back to the line from the side where it is smooth.
-/// Corners are kept to within the chord. Lines longer than maxPoints are given up.
-[[nodiscard]] std::vector<Contour> traceContours(const ClearanceAt& clearance,
-                                                 const std::vector<ContourSeed>& seeds,
-                                                 const ContourOptions& options);
+/// Adds the lines of clearance 0 through the seeds that `lines` does not hold yet, by predictor and
+/// corrector (Allgower & Georg 1990): steps along the tangent, Newton back to the line from the
+/// side where it is smooth. Corners are kept to within the chord. Lines longer than maxPoints are
+/// given up.
+void traceContours(const ClearanceAt& clearance, const std::vector<ContourSeed>& seeds,
+                   const ContourOptions& options, std::vector<Contour>& lines);
+
+/// The same from a grid of `cells` by `cells`: coarser, on the safe side (segments between points of
+/// the line may leave out what lies between them and the line), but lines never end inside the box.
+[[nodiscard]] std::vector<Contour> gridContours(const ClearanceAt& clearance,
+                                                const ContourOptions& options, int cells);
 
 }  // namespace phront::cad

@@ -11,12 +11,12 @@
 #include <Geom2d_Line.hxx>
 #include <Geom2d_TrimmedCurve.hxx>
 #include <GeomAPI.hxx>
-#include <GeomAPI_PointsToBSpline.hxx>
+#include <GeomAPI_Interpolate.hxx>
 #include <Geom_Line.hxx>
 #include <Geom_Plane.hxx>
 #include <Geom_TrimmedCurve.hxx>
 #include <Precision.hxx>
-#include <TColgp_Array1OfPnt.hxx>
+#include <TColgp_HArray1OfPnt.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -33,9 +33,11 @@
 namespace phront::cad {
 namespace {
 
-constexpr double kCorner = 0.5;    // rad between segments of a line: a corner
-constexpr double kOpen = 1e-3;     // of the domain: a gap between edges that is none
-constexpr int kLengthSamples = 8;  // along an edge, to see whether it is a point in space
+constexpr double kSharpTurn = 0.12;  // rad
+constexpr double kCornerSize = 4;    // chords: a sharp turn within is a corner
+constexpr double kCorner = 0.5;      // rad between segments of a line: a corner
+constexpr double kOpen = 1e-2;       // of the domain: a gap between edges that is none
+constexpr int kLengthSamples = 8;    // along an edge, to see whether it is a point in space
 
 gp_Pnt planePoint(const Vec2& x) { return {x[0], x[1], 0}; }
 
@@ -148,21 +150,57 @@ Result<TopoDS_Wire> planarLoop(const std::vector<LoopEdge>& edges, double widest
   return wire;
 }
 
-/// Through points without corners.
-Handle(Geom_Curve) smoothCurve(const std::vector<Vec2>& points, double chord) {
-  TColgp_Array1OfPnt array(1, static_cast<int>(points.size()));
-  for (std::size_t i = 0; i < points.size(); ++i)
-    array(static_cast<int>(i) + 1) = planePoint(points[i]);
-  if (points.size() > 3) {
-    try {
-      const GeomAPI_PointsToBSpline fit(array, 3, 6, GeomAbs_C2, 0.5 * chord);
-      if (fit.IsDone()) return Handle(Geom_Curve)(fit.Curve());
-    } catch (const Standard_Failure&) {
-      // The polygon does.
-    }
+double turnAt(const Vec2& before, const Vec2& here, const Vec2& after) {
+  const Vec2 a = here - before;
+  const Vec2 b = after - here;
+  return std::abs(std::atan2(a[0] * b[1] - a[1] * b[0], a.dot(b)));
+}
+
+/// Smooth parts of a line: each goes from a corner to the next. Where a line turns within some
+/// chords, that is a corner, too.
+std::vector<std::vector<Vec2>> smoothParts(const Contour& line, double chord) {
+  std::vector<Vec2> points = line.points;
+  if (line.closed) points.push_back(points.front());
+  std::vector<std::vector<Vec2>> parts(1);
+  parts.back().push_back(points.front());
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const bool last = i + 1 == points.size();
+    const double fromCorner = (points[i] - parts.back().front()).norm();
+    const double before = (points[i] - points[i - 1]).norm();
+    const double after = last ? 0 : (points[i + 1] - points[i]).norm();
+    const double turn = last ? 0 : turnAt(points[i - 1], points[i], points[i + 1]);
+    const bool corner =
+        turn > kCorner || (turn > kSharpTurn && std::min(before, after) < kCornerSize * chord);
+    // What follows a corner within its size belongs to it, and points are not noise's length apart.
+    if (!last && fromCorner < kCornerSize * chord) continue;
+    if (!last && !corner && (points[i] - parts.back().back()).norm() < kCornerSize * chord / 2)
+      continue;
+    parts.back().push_back(points[i]);
+    if (corner && !last) parts.push_back({points[i]});
   }
-  const GeomAPI_PointsToBSpline polygon(array, 1, 1, GeomAbs_C0, 0.1 * chord);
-  return Handle(Geom_Curve)(polygon.Curve());
+  if (parts.back().size() < 2) parts.pop_back();
+  // A closed line is cut in two at least: edges end in different points.
+  if (line.closed && parts.size() == 1 && parts.front().size() > 3) {
+    const std::vector<Vec2> whole = parts.front();
+    const auto middle = static_cast<std::ptrdiff_t>(whole.size() / 2);
+    parts = {{whole.begin(), whole.begin() + middle + 1}, {whole.begin() + middle, whole.end()}};
+  }
+  return parts;
+}
+
+Handle(Geom_Curve) curveThrough(const std::vector<Vec2>& points) {
+  const int count = static_cast<int>(points.size());
+  if (count == 2) {
+    const gp_Pnt a = planePoint(points[0]);
+    const gp_Pnt b = planePoint(points[1]);
+    return new Geom_TrimmedCurve(new Geom_Line(a, gp_Dir(gp_Vec(a, b))), 0, a.Distance(b));
+  }
+  const Handle(TColgp_HArray1OfPnt) array = new TColgp_HArray1OfPnt(1, count);
+  for (int i = 1; i <= count; ++i)
+    array->SetValue(i, planePoint(points[static_cast<std::size_t>(i - 1)]));
+  GeomAPI_Interpolate interpolation(array, Standard_False, Precision::Confusion());
+  interpolation.Perform();
+  return Handle(Geom_Curve)(interpolation.Curve());
 }
 
 }  // namespace
@@ -175,7 +213,12 @@ Result<TopoDS_Face> ParameterPlane::domainOf(const TopoDS_Face& original) const 
     const TopoDS_Wire wire = TopoDS::Wire(wires.Current());
     std::vector<LoopEdge> edges = loopEdges(wire, face, scale_);
     if (static_cast<int>(edges.size()) > edgeCount(wire) || edges.empty()) continue;
-    for (const LoopEdge& e : edges) size = std::max(size, e.from.Distance(edges.front().from));
+    for (const LoopEdge& e : edges) {
+      const gp_Pnt middle =
+          e.curve->Value((e.curve->FirstParameter() + e.curve->LastParameter()) / 2);
+      for (const gp_Pnt& p : {e.from, middle})
+        size = std::max(size, p.Distance(edges.front().from));
+    }
     loops.push_back(std::move(edges));
   }
   if (loops.empty()) return fail(ErrorCode::Failed, "the face has no loops in its parameters");
@@ -194,30 +237,16 @@ std::vector<TopoDS_Edge> ParameterPlane::edgesAlong(const std::vector<Contour>& 
                                                     double chord) {
   std::vector<TopoDS_Edge> edges;
   for (const Contour& line : lines) {
-    std::vector<Vec2> points = line.points;
-    if (line.closed && !points.empty()) points.push_back(points.front());
-    std::vector<std::size_t> corners{0};
-    for (std::size_t i = 1; i + 1 < points.size(); ++i) {
-      const Vec2 before = points[i] - points[i - 1];
-      const Vec2 after = points[i + 1] - points[i];
-      const double angle =
-          std::atan2(before[0] * after[1] - before[1] * after[0], before.dot(after));
-      if (std::abs(angle) > kCorner) corners.push_back(i);
-    }
-    if (points.size() < 2) continue;
-    corners.push_back(points.size() - 1);
-    // A closed line is cut in two at least: edges end in different points.
-    if (line.closed && corners.size() == 2) corners.insert(corners.begin() + 1, points.size() / 2);
+    if (line.points.size() < 2) continue;
+    const std::vector<std::vector<Vec2>> parts = smoothParts(line, chord);
     std::vector<TopoDS_Vertex> ends;
-    for (const std::size_t c : corners)
-      ends.push_back(makeVertex(planePoint(points[c]), Precision::Confusion()));
-    if (line.closed) ends.back() = ends.front();
-    for (std::size_t k = 0; k + 1 < corners.size(); ++k) {
-      const std::vector<Vec2> part(
-          points.begin() + static_cast<std::ptrdiff_t>(corners[k]),
-          points.begin() + static_cast<std::ptrdiff_t>(corners[k + 1]) + 1);
-      if ((part.front() - part.back()).norm() < 10 * Precision::Confusion()) continue;
-      const Handle(Geom_Curve) curve = smoothCurve(part, chord);
+    for (const std::vector<Vec2>& part : parts)
+      ends.push_back(makeVertex(planePoint(part.front()), Precision::Confusion()));
+    ends.push_back(line.closed
+                       ? ends.front()
+                       : makeVertex(planePoint(parts.back().back()), Precision::Confusion()));
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      const Handle(Geom_Curve) curve = curveThrough(parts[k]);
       edges.push_back(plainEdge(curve, curve->FirstParameter(), curve->LastParameter(), ends[k],
                                 ends[k + 1], Precision::Confusion()));
     }
@@ -332,8 +361,11 @@ Result<TopoDS_Face> ParameterPlane::onSurface(const TopoDS_Face& domain,
     wire.Closed(Standard_True);
     builder.Add(face, wire.Oriented(wires.Value().Orientation()));
   }
-  if (!BRepLib::BuildCurves3d(face, tolerance, GeomAbs_C1))
-    return fail(ErrorCode::Failed, "edges of the offset have no curves in space");
+  for (int e = 1; e <= flatEdges.Extent(); ++e) {
+    const auto n = static_cast<std::size_t>(e);
+    if (isPoint[n] || BRepLib::BuildCurve3d(edges[n], tolerance, GeomAbs_C1)) continue;
+    return fail(ErrorCode::Failed, "an edge of the offset has no curve in space");
+  }
   settleTolerances({face});
   return face;
 }

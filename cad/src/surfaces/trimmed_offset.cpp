@@ -40,7 +40,10 @@ constexpr int kMostOnEdge = 200;
 constexpr double kLongestStep = 1;  // |d|, of lines
 constexpr int kInwardDoublings = 16;
 constexpr double kMargin = 0.01;  // of the domain: how far lines run beyond it
-constexpr int kMeasured = 14;     // per direction, of each trimmed surface
+constexpr int kLooks = 10;        // per direction, into a part that was cut out
+constexpr int kMostRounds = 4;
+constexpr int kCells = 128;    // per direction, where lines cannot be followed
+constexpr int kMeasured = 14;  // per direction, of each trimmed surface
 
 Vec2 vec2(const gp_Pnt2d& p) { return {p.X(), p.Y()}; }
 
@@ -65,20 +68,30 @@ class PieceTrimmer {
   Result<std::vector<TopoDS_Face>> trimmed(bool cutAtBox, bool& whole) {
     sampleInside();
     sampleLoops();
-    std::vector<TopoDS_Face> none;
-    if (valid_ == 0) return none;
-    const std::vector<Contour> lines = linesToCut();
-    whole = lines.empty() && !cutAtBox;
-    if (whole && seeds_.empty()) return untouched();
+    std::vector<TopoDS_Face> faces;
+    if (valid_ == 0) return faces;
     const Result<TopoDS_Face> domain = plane_.domainOf(face_);
     if (!domain) return tl::unexpected(domain.error());
-    std::vector<TopoDS_Edge> edges = ParameterPlane::edgesAlong(lines, chord());
-    if (cutAtBox) addBox(edges);
-    const Result<std::vector<TopoDS_Face>> parts = ParameterPlane::split(*domain, edges);
-    if (!parts) return tl::unexpected(parts.error());
-    std::vector<TopoDS_Face> faces;
-    for (const TopoDS_Face& part : *parts) {
-      if (!alive(part)) continue;
+    std::vector<TopoDS_Face> kept;
+    std::vector<Contour> lines;
+    for (int round = 0; round < kMostRounds; ++round) {
+      const std::size_t before = lines.size();
+      traceContours(clearance_, seeds_, lineOptions(), lines);
+      // Where nothing is gained by following lines, the measure is at odds with itself: cells do.
+      const bool onGrid = round > 0 && (lines.size() == before || round + 1 == kMostRounds);
+      if (onGrid) lines = gridContours(clearance_, lineOptions(), kCells);
+      std::vector<TopoDS_Edge> edges = ParameterPlane::edgesAlong(lines, chord());
+      if (cutAtBox) addBox(edges);
+      const Result<std::vector<TopoDS_Face>> parts = ParameterPlane::split(*domain, edges);
+      if (!parts) return tl::unexpected(parts.error());
+      kept.clear();
+      seeds_.clear();
+      for (const TopoDS_Face& part : *parts)
+        if (alive(part)) kept.push_back(part);
+      if (seeds_.empty() || onGrid) break;
+    }
+    whole = lines.empty() && !cutAtBox;
+    for (const TopoDS_Face& part : kept) {
       const Result<TopoDS_Face> face = plane_.onSurface(part, piece_.surface, chord());
       if (!face) return tl::unexpected(face.error());
       faces.push_back(*face);
@@ -261,14 +274,14 @@ class PieceTrimmer {
     }
   }
 
-  [[nodiscard]] std::vector<Contour> linesToCut() const {
+  [[nodiscard]] ContourOptions lineOptions() const {
     ContourOptions options;
     const Vec2 margin = kMargin * (high_ - low_);
     options.low = low_ - margin;
     options.high = high_ + margin;
     options.chord = chord();
     options.longestStep = kLongestStep * std::abs(distance_);
-    return traceContours([this](const Vec2& x) { return clearance(x); }, seeds_, options);
+    return options;
   }
 
   void addBox(std::vector<TopoDS_Edge>& edges) const {
@@ -281,41 +294,37 @@ class PieceTrimmer {
       edges.push_back(plane_.edgeBetween({b.u.low - extra[0], v}, {b.u.high + extra[0], v}));
   }
 
-  /// Whether most points inside a part of the domain are valid, and in this piece.
+  /// Whether most points inside a part of the domain are valid, and in this piece. In a part that
+  /// is kept, points that are not give seeds.
   [[nodiscard]] bool alive(const TopoDS_Face& part) {
+    std::vector<Vec2> good;
+    std::vector<Vec2> bad;
+    const auto look = [&](const Vec2& x) { (inBox(x) && valid(x) ? good : bad).push_back(x); };
     const Handle(IntTools_Context) context = new IntTools_Context;
-    int good = 0;
-    int bad = 0;
-    const auto look = [&](const gp_Pnt& p) {
-      const Vec2 x(p.X(), p.Y());
-      (inBox(x) && valid(x) ? good : bad) += 1;
-    };
     gp_Pnt p;
     gp_Pnt2d uv;
-    if (BOPTools_AlgoTools3D::PointInFace(part, p, uv, context) == 0) look(p);
+    if (BOPTools_AlgoTools3D::PointInFace(part, p, uv, context) == 0) look({p.X(), p.Y()});
     double u0 = 0;
     double u1 = 0;
     double v0 = 0;
     double v1 = 0;
     BRepTools::UVBounds(part, u0, u1, v0, v1);
     const BRepTopAdaptor_FClass2d inside(part, Precision::PConfusion());
-    constexpr int kLooks = 6;
     for (int i = 0; i < kLooks; ++i) {
       for (int j = 0; j < kLooks; ++j) {
-        const gp_Pnt2d x(u0 + (u1 - u0) * (i + 0.5) / kLooks, v0 + (v1 - v0) * (j + 0.5) / kLooks);
-        if (inside.Perform(x) == TopAbs_IN) look(gp_Pnt(x.X(), x.Y(), 0));
+        const Vec2 x(u0 + (u1 - u0) * (i + 0.5) / kLooks, v0 + (v1 - v0) * (j + 0.5) / kLooks);
+        if (inside.Perform(gp_Pnt2d(x[0], x[1])) == TopAbs_IN) look(x);
       }
     }
-    return good > bad;
-  }
-
-  /// All of the face, with its loops as they are.
-  [[nodiscard]] Result<std::vector<TopoDS_Face>> untouched() const {
-    const Result<TopoDS_Face> domain = plane_.domainOf(face_);
-    if (!domain) return tl::unexpected(domain.error());
-    const Result<TopoDS_Face> face = plane_.onSurface(*domain, piece_.surface, chord());
-    if (!face) return tl::unexpected(face.error());
-    return std::vector<TopoDS_Face>{*face};
+    if (good.size() <= bad.size()) return false;
+    for (const Vec2& x : bad) {
+      if (!inBox(x)) continue;
+      const auto nearest = std::min_element(good.begin(), good.end(), [&](auto& a, auto& b) {
+        return (a - x).squaredNorm() < (b - x).squaredNorm();
+      });
+      seeds_.push_back({x, *nearest});
+    }
+    return true;
   }
 
   TopoDS_Face face_;
@@ -326,6 +335,7 @@ class PieceTrimmer {
   double tolerance_;
   const TrueDistance& phi_;
   ParameterPlane plane_;
+  ClearanceAt clearance_ = [this](const Vec2& x) { return clearance(x); };
   Vec2 low_, high_;
   std::vector<ContourSeed> seeds_;
   int valid_ = 0;
