@@ -17,6 +17,7 @@ constexpr double kMostCorrection = 0.3;  // of a step
 constexpr double kCheckedStep = 8;       // chords: shorter steps miss nothing between
 constexpr double kShortestStep = 0.5;    // of the chord
 constexpr int kDirections = 24;          // looked into at a corner
+constexpr int kMostCorners = 12;         // one after the other
 constexpr double kSameLine = 3;          // chords: seeds nearer to a line belong to it
 
 Vec2 leftOf(const Vec2& v) { return {-v[1], v[0]}; }
@@ -29,11 +30,13 @@ struct OnLine {
 
 class Tracer {
  public:
-  Tracer(const ClearanceAt& clearance, const ContourOptions& options)
-      : clearance_(clearance), options_(options) {}
+  /// `queries` counts them.
+  Tracer(const ClearanceAt& clearance, const ContourOptions& options, int& queries)
+      : clearance_(clearance), options_(options), queries_(queries) {}
 
   void run(const std::vector<ContourSeed>& seeds, std::vector<Contour>& lines) const {
     for (const ContourSeed& seed : seeds) {
+      if (queries_ > options_.maxQueries) return;
       const std::optional<OnLine> start = between(seed.without, seed.with);
       if (!start || isOn(lines, start->at)) continue;
       if (std::optional<Contour> line = traced(*start)) lines.push_back(std::move(*line));
@@ -41,6 +44,11 @@ class Tracer {
   }
 
  private:
+  [[nodiscard]] Clearance look(const Vec2& x) const {
+    ++queries_;
+    return clearance_(x);
+  }
+
   [[nodiscard]] bool inside(const Vec2& x) const {
     return (x.array() >= options_.low.array()).all() && (x.array() <= options_.high.array()).all();
   }
@@ -55,11 +63,11 @@ class Tracer {
 
   /// Bisection, which needs signs only, then the gradient of the last point without clearance.
   [[nodiscard]] std::optional<OnLine> between(Vec2 without, Vec2 with) const {
-    Clearance last = clearance_(without);
+    Clearance last = look(without);
     if (!(last.value < 0)) return std::nullopt;
     for (int i = 0; i < kBisections && (with - without).norm() > kOnLine * options_.chord; ++i) {
       const Vec2 middle = 0.5 * (without + with);
-      const Clearance here = clearance_(middle);
+      const Clearance here = look(middle);
       if (here.value < 0) {
         without = middle;
         last = here;
@@ -72,12 +80,12 @@ class Tracer {
 
   /// The point of the line near x; `down` leads to where there is no clearance.
   [[nodiscard]] std::optional<OnLine> corrected(Vec2 x, const Vec2& down, double reach) const {
-    Clearance here = clearance_(x);
+    Clearance here = look(x);
     if (here.value >= 0) {
       const Vec2 with = x;
       for (double step = std::min(options_.chord, reach); step <= reach; step *= 2) {
         const Vec2 tried = with + step * down;
-        if (clearance_(tried).value < 0) return between(tried, with);
+        if (look(tried).value < 0) return between(tried, with);
       }
       return std::nullopt;
     }
@@ -88,7 +96,7 @@ class Tracer {
       if (-here.value <= kOnLine * options_.chord * std::sqrt(square)) return onLine(x, here);
       const Vec2 next = x - (here.value / square) * here.gradient;
       if (!((next - start).norm() <= reach)) return std::nullopt;
-      const Clearance there = clearance_(next);
+      const Clearance there = look(next);
       if (there.value >= 0) return between(x, next);
       x = next;
       here = there;
@@ -107,7 +115,7 @@ class Tracer {
     std::optional<Vec2> with;
     for (int k = 0; k < kDirections; ++k) {
       const Vec2 x = at(k);
-      if (clearance_(x).value >= 0)
+      if (look(x).value >= 0)
         with = x;
       else if (with)
         return between(x, *with);
@@ -146,11 +154,15 @@ class Tracer {
     OnLine here = start;
     double step = options_.longestStep / 4;
     double gone = 0;
+    int corners = 0;
     while (inside(here.at)) {
-      if (static_cast<int>(line.points.size()) >= options_.maxPoints) return false;
+      if (queries_ > options_.maxQueries) return false;
       double length = step;
       const std::optional<OnLine> to = next(here, length);
       if (!to) return true;
+      // Corner after corner: this is noise, not a line.
+      corners = length <= 2 * kShortestStep * options_.chord ? corners + 1 : 0;
+      if (corners > kMostCorners) return true;
       const Vec2 move = to->at - here.at;
       // Past the start: the start lies beside this segment.
       const double along = (start.at - here.at).dot(move) / std::max(move.squaredNorm(), 1e-300);
@@ -185,7 +197,7 @@ class Tracer {
     options.high[0] = -options_.low[0];
     const Vec2 at(-start.at[0], start.at[1]);
     const Vec2 tangent(start.tangent[0], -start.tangent[1]);
-    if (!Tracer(mirrored, options).follow({at, tangent}, back)) return std::nullopt;
+    if (!Tracer(mirrored, options, queries_).follow({at, tangent}, back)) return std::nullopt;
     std::vector<Vec2> points;
     for (auto x = back.points.rbegin(); x != back.points.rend(); ++x)
       points.emplace_back(-(*x)[0], (*x)[1]);
@@ -211,13 +223,15 @@ class Tracer {
 
   const ClearanceAt& clearance_;
   const ContourOptions& options_;
+  int& queries_;
 };
 
 }  // namespace
 
 void traceContours(const ClearanceAt& clearance, const std::vector<ContourSeed>& seeds,
                    const ContourOptions& options, std::vector<Contour>& lines) {
-  Tracer(clearance, options).run(seeds, lines);
+  int queries = 0;
+  Tracer(clearance, options, queries).run(seeds, lines);
 }
 
 }  // namespace phront::cad

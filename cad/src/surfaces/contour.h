@@ -28,7 +28,7 @@ struct ContourOptions {
   Vec2 low, high;    ///< lines end outside this box
   double chord = 0;  ///< largest distance of the segments from the line
   double longestStep = 0;
-  int maxPoints = 20'000;
+  int maxQueries = 15'000;  ///< of the clearance, for all lines together
 };
 
 struct Contour {
@@ -38,13 +38,14 @@ struct Contour {
 
 /// Adds the lines of clearance 0 through the seeds that `lines` does not hold yet, by predictor and
 /// corrector (Allgower & Georg 1990): steps along the tangent, Newton back to the line from the
-/// side where it is smooth. Corners are kept to within the chord. Lines longer than maxPoints are
-/// given up.
+/// side where it is smooth. Corners are kept to within the chord. What winds from corner to corner
+/// ends, and after maxQueries no more lines are found.
 void traceContours(const ClearanceAt& clearance, const std::vector<ContourSeed>& seeds,
                    const ContourOptions& options, std::vector<Contour>& lines);
 
-/// The same from a grid of `cells` by `cells`: coarser, on the safe side (segments between points of
-/// the line may leave out what lies between them and the line), but lines never end inside the box.
+/// The same from a grid of `cells` by `cells`: coarser, on the safe side (segments between points
+/// of the line may leave out what lies between them and the line), but lines never end inside the
+/// box.
 [[nodiscard]] std::vector<Contour> gridContours(const ClearanceAt& clearance,
                                                 const ContourOptions& options, int cells);
 

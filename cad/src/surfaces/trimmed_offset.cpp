@@ -28,10 +28,11 @@
 namespace phront::cad {
 namespace {
 
-constexpr double kFitShare = 0.4;    // of the tolerance, for the surfaces
-constexpr double kCutShare = 0.5;    // nearer than |d| by this: cut off
-constexpr double kChordShare = 0.2;  // of the cut lines from the true ones
-constexpr double kGridPitch = 2;     // |d| between samples inside
+constexpr double kFitShare = 0.3;     // of the tolerance, for the surfaces
+constexpr double kCutShare = 0.4;     // nearer than |d| by this: cut off
+constexpr double kMissedShare = 0.8;  // nearer by this: should have been cut off
+constexpr double kChordShare = 0.2;   // of the cut lines from the true ones
+constexpr double kGridPitch = 2;      // |d| between samples inside
 constexpr int kLeastGrid = 8;
 constexpr int kMostGrid = 48;
 constexpr double kBorderPitch = 0.5;  // |d| between samples on loops
@@ -40,9 +41,9 @@ constexpr int kMostOnEdge = 200;
 constexpr double kLongestStep = 1;  // |d|, of lines
 constexpr int kInwardDoublings = 16;
 constexpr double kMargin = 0.01;  // of the domain: how far lines run beyond it
-constexpr int kLooks = 10;        // per direction, into a part that was cut out
+constexpr int kLooks = 20;        // per direction, into a part that was cut out
 constexpr int kMostRounds = 4;
-constexpr int kCells = 128;    // per direction, where lines cannot be followed
+constexpr int kCells = 96;     // per direction, where lines cannot be followed
 constexpr int kMeasured = 14;  // per direction, of each trimmed surface
 
 Vec2 vec2(const gp_Pnt2d& p) { return {p.X(), p.Y()}; }
@@ -295,11 +296,19 @@ class PieceTrimmer {
   }
 
   /// Whether most points inside a part of the domain are valid, and in this piece. In a part that
-  /// is kept, points that are not give seeds.
+  /// is kept, points that clearly are not give seeds.
   [[nodiscard]] bool alive(const TopoDS_Face& part) {
     std::vector<Vec2> good;
-    std::vector<Vec2> bad;
-    const auto look = [&](const Vec2& x) { (inBox(x) && valid(x) ? good : bad).push_back(x); };
+    std::vector<Vec2> missed;
+    std::size_t bad = 0;
+    const auto look = [&](const Vec2& x) {
+      const double lack = std::abs(distance_) - level(x);
+      if (inBox(x) && lack <= kCutShare * tolerance_)
+        good.push_back(x);
+      else
+        ++bad;
+      if (inBox(x) && lack > kMissedShare * tolerance_) missed.push_back(x);
+    };
     const Handle(IntTools_Context) context = new IntTools_Context;
     gp_Pnt p;
     gp_Pnt2d uv;
@@ -316,9 +325,8 @@ class PieceTrimmer {
         if (inside.Perform(gp_Pnt2d(x[0], x[1])) == TopAbs_IN) look(x);
       }
     }
-    if (good.size() <= bad.size()) return false;
-    for (const Vec2& x : bad) {
-      if (!inBox(x)) continue;
+    if (good.size() <= bad) return false;
+    for (const Vec2& x : missed) {
       const auto nearest = std::min_element(good.begin(), good.end(), [&](auto& a, auto& b) {
         return (a - x).squaredNorm() < (b - x).squaredNorm();
       });
