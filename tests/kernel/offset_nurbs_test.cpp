@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 namespace phront {
@@ -70,6 +72,17 @@ NurbsSurface torus(double major, double minor) {
     }
   }
   return surface;
+}
+
+/// Clamped, knots evenly spaced.
+Knots uniform(int degree, std::size_t poles) {
+  Knots knots{degree, {}};
+  const std::size_t spans = poles - static_cast<std::size_t>(degree);
+  knots.flat.assign(static_cast<std::size_t>(degree), 0);
+  for (std::size_t k = 0; k <= spans; ++k)
+    knots.flat.push_back(static_cast<double>(k) / static_cast<double>(spans));
+  knots.flat.insert(knots.flat.end(), static_cast<std::size_t>(degree), 1);
+  return knots;
 }
 
 /// Largest distance from the truth at many parameters that no pole belongs to.
@@ -173,6 +186,59 @@ TEST(OffsetNurbsCurve, ThereAndBackIsWhereItBegan) {
             2 * kTolerance);
 }
 
+TEST(OffsetNurbsCurve, ClosedCurveStaysClosed) {
+  // Smooth at its seam, three lobes.
+  constexpr std::size_t kPoles = 24;
+  NurbsCurve curve{uniform(3, kPoles), {}, {}};
+  for (std::size_t i = 0; i < kPoles; ++i) {
+    const double t = 2 * std::numbers::pi * curve.knots.greville()[i];
+    const double r = 2 + 0.3 * std::cos(3 * t);
+    curve.poles.emplace_back(r * std::cos(t), r * std::sin(t), 0);
+  }
+  // The tangents at both ends of the seam are parallel.
+  curve.poles[1][0] = curve.poles[kPoles - 2][0] = curve.poles[0][0];
+  for (const double d : {0.3, -0.3}) {
+    const CurveOffset offset = planar(curve, d, 1e-5);
+    const Vec3 first = evaluate(offset.curve, 0).position;
+    const Vec3 last = evaluate(offset.curve, 1).position;
+    EXPECT_NEAR((first - last).norm(), 0, 1e-12);
+  }
+}
+
+TEST(OffsetNurbsCurve, FewestKnotsForATolerance) {
+  // 60 poles of a wave that needs far fewer.
+  NurbsCurve curve{uniform(3, 60), {}, {}};
+  for (const double t : curve.knots.greville()) curve.poles.emplace_back(6 * t, std::sin(6 * t), 0);
+  std::size_t before = 0;
+  for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+    const auto offset =
+        offsetNurbs(curve, normalInPlane(curve, Vec3::UnitZ()),
+                    {.distance = 0.2, .tolerance = tolerance, .knots = KnotRule::Fewest});
+    ASSERT_TRUE(offset.has_value()) << offset.error().message;
+    EXPECT_LE(offset->error, tolerance);
+    EXPECT_LE(
+        farthest(offset->curve,
+                 [&](double t) {
+                   const CurvePoint p = evaluate(curve, t);
+                   return Vec3(p.position + 0.2 * p.tangent.cross(Vec3::UnitZ()).normalized());
+                 }),
+        tolerance);
+    EXPECT_LT(offset->curve.poles.size(), 25U);
+    EXPECT_GE(offset->curve.poles.size(), before);
+    before = offset->curve.poles.size();
+  }
+}
+
+TEST(OffsetNurbsCurve, FitsAnyCurveAtItsParameter) {
+  const auto spiral = [](double t) { return Vec3(t * std::cos(t), t * std::sin(t), 0.3 * t); };
+  Knots knots{5, std::vector<double>(6, 1.0)};
+  knots.flat.insert(knots.flat.end(), 6, 9.0);
+  const auto fit = fitCurve(spiral, knots, {.tolerance = 1e-5, .knots = KnotRule::Fewest});
+  ASSERT_TRUE(fit.has_value()) << fit.error().message;
+  EXPECT_LE(farthest(fit->curve, spiral), 1e-5);
+  EXPECT_LT(fit->curve.poles.size(), 60U);
+}
+
 TEST(OffsetNurbsCurve, AlongTheNormalOfASurface) {
   // A helix-like curve on a cylinder of radius 1 moves to the cylinder of radius 1.5.
   const NurbsCurve circle = ellipse(1, 1);
@@ -255,6 +321,184 @@ TEST(OffsetNurbsSurface, EdgesAndSurfacesThatAreNoneAreRefused) {
   const auto flat = offsetNurbs(extruded(corner, Vec3::Zero()), options);
   ASSERT_FALSE(flat.has_value());
   EXPECT_NE(flat.error().message.find("no normal anywhere"), std::string::npos);
+}
+
+Vec3 exactAt(const NurbsSurface& s, double u, double v, double d) {
+  const SurfacePoint p = evaluate(s, u, v);
+  return p.position + d * p.alongU.cross(p.alongV).normalized();
+}
+
+NurbsSurface surfaceOver(Knots u, Knots v, const std::function<Vec3(double, double)>& pole) {
+  NurbsSurface s{std::move(u), std::move(v), {}, {}};
+  const std::vector<double> us = s.u.greville();
+  const std::vector<double> vs = s.v.greville();
+  for (const double y : vs) {
+    for (const double x : us) s.poles.push_back(pole(x, y));
+  }
+  return s;
+}
+
+/// Once around a symmetric section (NACA 4-digit thickness, closed trailing edge), chord 1, from
+/// the trailing edge over the lower side.
+Vec3 section(double t, double thickness) {
+  const double x = 0.5 * (1 + std::cos(2 * std::numbers::pi * t));
+  const double y = 5 * thickness *
+                   (0.2969 * std::sqrt(x) - 0.1260 * x - 0.3516 * x * x + 0.2843 * x * x * x -
+                    0.1036 * x * x * x * x);
+  return {x, t < 0.5 ? -y : y, 0};
+}
+
+/// Swept, tapered and twisted along z.
+NurbsSurface wing(double twist) {
+  return surfaceOver(uniform(3, 41), uniform(3, 9), [twist](double u, double v) {
+    const Vec3 p = (1 - 0.4 * v) * (section(u, 0.12) - Vec3(0.25, 0, 0));
+    const double a = twist * v;
+    return Vec3(std::cos(a) * p[0] - std::sin(a) * p[1] + 0.5 * v,
+                std::sin(a) * p[0] + std::cos(a) * p[1], 3 * v);
+  });
+}
+
+void expectFollows(const SurfaceOffset& offset, const NurbsSurface& original, double d,
+                   double tolerance) {
+  EXPECT_TRUE(checkNurbs(offset.surface).has_value());
+  EXPECT_EQ(offset.surface.u.first(), original.u.first());
+  EXPECT_EQ(offset.surface.u.last(), original.u.last());
+  EXPECT_EQ(offset.surface.v.first(), original.v.first());
+  EXPECT_EQ(offset.surface.v.last(), original.v.last());
+  const double found =
+      farthest(offset.surface, [&](double u, double v) { return exactAt(original, u, v, d); });
+  EXPECT_LE(found, tolerance);
+  EXPECT_LE(found, offset.error * 1.05 + 1e-13) << "the error told is the largest there is";
+}
+
+TEST(OffsetNurbsSurface, RuledAndBilinearPatches) {
+  // A saddle: the normals turn, so degree 1 needs many knots; a higher degree few.
+  const NurbsSurface saddle = surfaceOver(uniform(1, 2), uniform(1, 2),
+                                          [](double u, double v) { return Vec3(u, v, u * v); });
+  const NurbsSurface ruled = surfaceOver(uniform(3, 7), uniform(1, 2), [](double u, double v) {
+    return Vec3(u, v, 0.2 * std::sin(5 * u) * (1 - v) + 0.1 * std::cos(4 * u) * v);
+  });
+  for (const NurbsSurface& s : {saddle, ruled}) {
+    const SurfaceOffset kept = moved(s, 0.1, 1e-4);
+    expectFollows(kept, s, 0.1, 1e-4);
+    const auto fewest =
+        offsetNurbs(s, {.distance = 0.1, .tolerance = 1e-4, .knots = KnotRule::Fewest});
+    ASSERT_TRUE(fewest.has_value()) << fewest.error().message;
+    expectFollows(*fewest, s, 0.1, 1e-4);
+    EXPECT_LT(fewest->surface.poles.size(), kept.surface.poles.size() / 2);
+  }
+}
+
+TEST(OffsetNurbsSurface, WingAndBladeFaces) {
+  for (const double twist : {0.1, 0.9}) {
+    const NurbsSurface original = wing(twist);
+    for (const double d : {0.01, -0.003}) {
+      const double tolerance = 1e-2 * std::abs(d);
+      const SurfaceOffset kept = moved(original, d, tolerance);
+      expectFollows(kept, original, d, tolerance);
+      // Every knot of the original is one of the offset.
+      for (const double knot : original.u.distinct())
+        EXPECT_TRUE(
+            std::binary_search(kept.surface.u.flat.begin(), kept.surface.u.flat.end(), knot));
+      const auto fewest =
+          offsetNurbs(original, {.distance = d, .tolerance = tolerance, .knots = KnotRule::Fewest});
+      ASSERT_TRUE(fewest.has_value()) << fewest.error().message;
+      expectFollows(*fewest, original, d, tolerance);
+      EXPECT_LE(fewest->surface.poles.size(), kept.surface.poles.size());
+      EXPECT_LE(fewest->surface.poles.size(), original.poles.size());
+      // Closed at the trailing edge up to the corner there, as P + d n is.
+      EXPECT_LE((evaluate(fewest->surface, 0, 0.5).position - exactAt(original, 0, 0.5, d)).norm(),
+                tolerance);
+    }
+  }
+}
+
+TEST(OffsetNurbsSurface, ThereAndBackIsWhereItBegan) {
+  const NurbsSurface original = wing(0.4);
+  constexpr double kDistance = -0.01;  // outwards
+  constexpr double kTolerance = 1e-5;
+  for (const KnotRule rule : {KnotRule::Original, KnotRule::Fewest}) {
+    const auto there = offsetNurbs(
+        original,
+        {.distance = kDistance, .tolerance = kTolerance, .knots = rule, .reversible = true});
+    ASSERT_TRUE(there.has_value()) << there.error().message;
+    const auto back = offsetNurbs(there->surface,
+                                  {.distance = -kDistance, .tolerance = kTolerance, .knots = rule});
+    ASSERT_TRUE(back.has_value()) << back.error().message;
+    // Normals of the approximation differ, too: by its error over a wavelength of it.
+    EXPECT_LE(farthest(back->surface,
+                       [&](double u, double v) { return evaluate(original, u, v).position; }),
+              2 * kTolerance);
+  }
+}
+
+TEST(OffsetNurbsSurface, FewestKnotsOfWhatIsFlatOrRound) {
+  // A plane with far more poles than it needs.
+  const NurbsSurface plane = surfaceOver(uniform(3, 12), uniform(2, 9),
+                                         [](double u, double v) { return Vec3(2 * u, 3 * v, 1); });
+  const auto flat =
+      offsetNurbs(plane, {.distance = 0.5, .tolerance = 1e-3, .knots = KnotRule::Fewest});
+  ASSERT_TRUE(flat.has_value()) << flat.error().message;
+  EXPECT_EQ(flat->surface.poles.size(), 4U);
+  EXPECT_LE(flat->error, 1e-10);
+  // What is exact stays exact, however coarse the tolerance.
+  const auto round = offsetNurbs(extruded(ellipse(2, 2), Vec3(0, 0, 5)),
+                                 {.distance = 0.5, .tolerance = 0.1, .knots = KnotRule::Fewest});
+  ASSERT_TRUE(round.has_value()) << round.error().message;
+  EXPECT_EQ(round->surface.poles.size(), 18U);
+  EXPECT_LE(round->error, 1e-10);
+}
+
+TEST(OffsetNurbsSurface, NormalsDoNotTurnOverWhereTheSurfaceFoldsBack) {
+  // A tube of radius 1 about a line that comes back on itself: S_v changes its sign, the normal of
+  // the tube does not.
+  NurbsSurface tube = extruded(ellipse(1, 1), Vec3::Zero());
+  tube.v = {2, {0, 0, 0, 1, 1, 1}};
+  tube.poles.clear();
+  tube.weights.clear();
+  const NurbsCurve circle = ellipse(1, 1);
+  for (const double z : {0.0, 2.0, 0.5}) {
+    for (std::size_t i = 0; i < circle.poles.size(); ++i) {
+      tube.poles.push_back(circle.poles[i] + Vec3(0, 0, z));
+      tube.weights.push_back(circle.weights[i]);
+    }
+  }
+  const auto offset = offsetNurbs(tube, {.distance = 0.25, .tolerance = 1e-6});
+  ASSERT_TRUE(offset.has_value()) << offset.error().message;
+  for (double v = 0; v <= 1; v += 0.05)
+    EXPECT_NEAR(evaluate(offset->surface, 1.3, v).position.head<2>().norm(), 1.25, 1e-5) << v;
+}
+
+TEST(OffsetNurbsSurface, EdgesAreFoundThatItRefuses) {
+  // Two plates with a rounding far smaller than the tolerance between them, and one with a ridge.
+  const auto profile = [](double bend) {
+    NurbsCurve c;
+    c.knots = {2, {0, 0, 0, 0.5, 0.5 + bend, 1, 1, 1}};
+    c.poles = {{0, 0, 0}, {0.5, 0, 0}, {1 - 0.1 * bend, 0, 0}, {1, 0.5, 0}, {1, 1, 0}};
+    return c;
+  };
+  const NurbsOffsetOptions options{.distance = 0.1, .tolerance = 1e-3};
+  const EdgeStrips strip = edgeStrips(extruded(profile(1e-6), Vec3(0, 0, 1)), options);
+  ASSERT_EQ(strip.u.size(), 1U);
+  EXPECT_TRUE(strip.v.empty());
+  EXPECT_NEAR(strip.u[0].low, 0.5, 1e-3);
+  EXPECT_LE(strip.u[0].high - strip.u[0].low, 1e-3);
+  EXPECT_TRUE(edgeStrips(extruded(profile(0.2), Vec3(0, 0, 1)), options).u.empty());
+  NurbsCurve ridge;
+  ridge.knots = {1, {0, 0, 1, 2, 2}};
+  ridge.poles = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}};
+  const EdgeStrips edge = edgeStrips(extruded(ridge, Vec3(0, 0, 1)), options);
+  ASSERT_EQ(edge.u.size(), 1U);
+  EXPECT_EQ(edge.u[0].low, 1);
+  EXPECT_EQ(edge.u[0].high, 1);
+}
+
+TEST(OffsetNurbsSurface, SphereKeepsItsPoles) {
+  const SurfaceOffset ball = moved(sphere(2), 0.5, 1e-9);
+  EXPECT_EQ(ball.surface.poles.size(), 45U);
+  // The degenerate edges stay points.
+  for (std::size_t i = 1; i < 9; ++i)
+    EXPECT_NEAR((ball.surface.poles[i] - ball.surface.poles[0]).norm(), 0, 1e-9);
 }
 
 TEST(OffsetNurbsSurface, BicubicPatchKeepsTheTolerance) {

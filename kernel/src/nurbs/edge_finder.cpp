@@ -26,14 +26,29 @@ void EdgeFinder::look(const std::function<Vec3(double)>& normal,
                       const std::function<Vec3(double)>& point) {
   const std::vector<double> ends = along_.distinct();
   const Line line{normal, point};
+  // A side that is a point (a pole, an apex) is no edge however the normals turn there.
+  double extent = 0;
+  for (const double t : densely(along_, 1))
+    extent = std::max(extent, (point(t) - point(ends.front())).norm());
+  if (extent <= kNarrow * options_.tolerance) return;
   for (std::size_t k = 0; k + 1 < ends.size(); ++k) {
     const double beside = kBesideKnot * (ends[k + 1] - ends[k]);
     const auto at = [&](int i) {
       const double t = ends[k] + (ends[k + 1] - ends[k]) * i / (kSamples + 1);
       return std::clamp(t, ends[k] + beside, ends[k + 1] - beside);
     };
-    for (int i = 0; i <= kSamples; ++i)
-      lookInside(line, at(i), at(i + 1), normal(at(i)), normal(at(i + 1)), 0);
+    double length = 0;
+    double turn = 0;
+    for (int i = 0; i <= kSamples; ++i) {
+      length += (point(at(i + 1)) - point(at(i))).norm();
+      turn = std::max(turn, (normal(at(i + 1)) - normal(at(0))).norm());
+    }
+    if (length <= kNarrow * options_.tolerance) {
+      if (turn > kTurn) found_.push_back({ends[k], ends[k + 1]});
+    } else {
+      for (int i = 0; i <= kSamples; ++i)
+        lookInside(line, at(i), at(i + 1), normal(at(i)), normal(at(i + 1)), 0);
+    }
     if (k == 0) continue;
     const Vec3 before = normal(ends[k] - kBesideKnot * (ends[k] - ends[k - 1]));
     const double jump = (before - normal(at(0))).norm();

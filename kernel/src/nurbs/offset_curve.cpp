@@ -132,22 +132,17 @@ double exactness(const WeightedCurve& target, const Knots& original,
   return kExact * size;
 }
 
-void keepFewer(std::optional<CurveOffset>& best, std::optional<CurveOffset> other) {
-  if (other && (!best || other->curve.poles.size() < best->curve.poles.size()))
-    best = std::move(other);
-}
-
 /// Of `best` and, if they may, other knots. An exact offset is left for an exact one only.
 Result<CurveOffset> fewestOf(std::optional<CurveOffset> best, const WeightedCurve& target,
                              int stride, const Knots& original, NurbsOffsetOptions options) {
+  const double exact = exactness(target, original, options);
   if (options.knots == KnotRule::Fewest) {
-    const double exact = exactness(target, original, options);
     if (best && best->error <= exact) options.tolerance = std::min(options.tolerance, exact);
     const CurveFit fit(target, stride, original, options);
     for (const int degree : degreesFor(original.degree)) {
       const std::size_t most =
           best ? kPrunable * best->curve.poles.size() : static_cast<std::size_t>(options.maxPoles);
-      keepFewer(best, fit.fewest(degree, most));
+      keepBetter(best, fit.fewest(degree, most), exact);
     }
   }
   if (!best) return tooManyPoles(options);
@@ -216,8 +211,10 @@ Result<CurveOffset> offsetNurbs(const NurbsCurve& curve, const CurveNormal& norm
   std::optional<CurveOffset> best = fit.refined();
   const std::size_t most =
       best ? best->curve.poles.size() : static_cast<std::size_t>(options.maxPoles);
-  // Moved poles win ties: theirs is the simpler rule.
-  if (auto simpler = fit.refined(move, PoleRule::Moved, most)) best = std::move(simpler);
+  std::optional<CurveOffset> simpler = fit.refined(move, PoleRule::Moved, most);
+  // The simpler rule wins when both are exact.
+  keepBetter(simpler, std::move(best), exactness(moved, curve.knots, options));
+  best = std::move(simpler);
   return fewestOf(std::move(best), moved, stride, curve.knots, options);
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <algorithm>
+#include <optional>
+#include <utility>
 #include <vector>
 
 #include "phront/offset_nurbs.h"
@@ -17,6 +19,18 @@ inline constexpr int kClimbs = 40;           // steps to a largest error
 [[nodiscard]] Result<void> checkOptions(const NurbsOffsetOptions& options);
 [[nodiscard]] tl::unexpected<Error> tooManyPoles(const NurbsOffsetOptions& options);
 
+inline std::size_t polesIn(const CurveOffset& offset) { return offset.curve.poles.size(); }
+inline std::size_t polesIn(const SurfaceOffset& offset) { return offset.surface.poles.size(); }
+
+/// Fewer poles are better, of as many those with the smaller error; errors below `exact` are none.
+template <class Offset>
+void keepBetter(std::optional<Offset>& best, std::optional<Offset> other, double exact) {
+  if (!other) return;
+  const auto rank = [exact](const Offset& offset) {
+    return std::pair(polesIn(offset), std::max(offset.error, exact));
+  };
+  if (!best || rank(*other) < rank(*best)) best = std::move(other);
+}
 /// Degrees worth trying for curves of a degree, itself first: higher ones need fewer poles where
 /// all is smooth, lower ones where it is flat.
 [[nodiscard]] std::vector<int> degreesFor(int degree);

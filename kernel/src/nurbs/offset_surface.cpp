@@ -16,6 +16,9 @@ namespace phront {
 namespace {
 
 constexpr std::size_t kMostLines = 24;  // sampled across a surface
+constexpr double kFarFromFold = 0.25;   // (1 + d k1)(1 + d k2): below, normals are left alone
+constexpr double kFarFromPole = 1e-3;   // |S_u x S_v| of the typical: below, likewise
+constexpr double kTightest = 0.6;       // of the tolerance, in one round
 constexpr double kBySum = 2.5;          // times the tolerance: errors of u and v may add up to it
 constexpr int kPerOriginalSpan = 2;     // samples inside each span of the original
 constexpr double kWorthClimbing = 0.5;  // of the largest error sampled
@@ -63,18 +66,18 @@ class SurfaceOffsetter {
                   "The surface has no normal anywhere: it is a curve or a point.", "surface");
     }
     std::optional<SurfaceOffset> best;
-    const auto keepFewer = [&](std::optional<SurfaceOffset> other) {
-      if (other && (!best || other->surface.poles.size() < best->surface.poles.size()))
-        best = std::move(other);
+    const double exact = exactness();
+    const auto keep = [&](std::optional<SurfaceOffset> other) {
+      keepBetter(best, std::move(other), exact);
     };
     const auto keepGood = [&](std::optional<NurbsSurface> surface, PoleRule rule) {
       if (!surface) return;
       Judged tried = judged(std::move(*surface), rule);
-      if (tried.offset.error <= options_.tolerance) keepFewer(std::move(tried.offset));
+      if (tried.offset.error <= options_.tolerance) keep(std::move(tried.offset));
     };
     keepGood(movedPoles(), PoleRule::Moved);
     keepGood(fitted(surface_.u, surface_.v), PoleRule::Fitted);
-    const bool exact = best && best->error <= exactness();
+    const bool isExact = best && best->error <= exact;
     if (!best) {
       const Along refine = [&](bool u, const CurveBundle& lines, double tolerance) {
         return refined(u, lines, tolerance);
@@ -82,18 +85,17 @@ class SurfaceOffsetter {
       Result<std::optional<SurfaceOffset>> more =
           within(refine, options_.tolerance, progress.part(0, 0.3));
       if (!more) return tl::unexpected(more.error());
-      keepFewer(std::move(*more));
+      keep(std::move(*more));
     }
     if (options_.knots == KnotRule::Fewest) {
       const Along reduce = [&](bool u, const CurveBundle& lines, double tolerance) {
         return fewest(u, lines, tolerance);
       };
       // An exact offset is left for an exact one only.
-      const double tolerance =
-          exact ? std::min(options_.tolerance, exactness()) : options_.tolerance;
+      const double tolerance = isExact ? std::min(options_.tolerance, exact) : options_.tolerance;
       Result<std::optional<SurfaceOffset>> fewer = within(reduce, tolerance, progress.part(0.3, 1));
       if (!fewer) return tl::unexpected(fewer.error());
-      keepFewer(std::move(*fewer));
+      keep(std::move(*fewer));
     }
     if (!best) return tooManyPoles(options_);
     return std::move(*best);
@@ -165,7 +167,10 @@ class SurfaceOffsetter {
       Judged found = judged(std::move(*surface), PoleRule::Fitted);
       if (found.offset.error <= wanted) return std::move(found.offset);
       missed.push_back(found.worst);
-      if (found.offset.error <= kBySum * wanted) tolerance *= kTighter;
+      const Vec3 place = evaluate(found.offset.surface, found.worst.u, found.worst.v).position;
+      const double away = (place - target_.point(found.worst.u, found.worst.v)).norm();
+      if (away <= kBySum * wanted)
+        tolerance *= std::clamp(wanted / found.offset.error, kTightest, kTighter);
     }
     return std::optional<SurfaceOffset>();
   }
@@ -234,18 +239,43 @@ class SurfaceOffsetter {
   [[nodiscard]] Eigen::MatrixXd errorsAt(const NurbsSurface& offset, const std::vector<double>& us,
                                          const std::vector<double>& vs) const {
     const Rows wanted = target_.at(us, vs);
-    const Rows is = pointsAt(offset, us, vs);
+    const SurfaceGrid from = gridOf(surface_, us, vs);
+    const SurfaceGrid is = gridOf(offset, us, vs);
     const int stride = target_.stride();
-    Eigen::MatrixXd errors(wanted.rows(), is.cols() / 3);
+    Eigen::MatrixXd errors(wanted.rows(), is.points.cols() / 3);
     for (Eigen::Index i = 0; i < errors.rows(); ++i) {
       for (Eigen::Index j = 0; j < errors.cols(); ++j) {
-        Eigen::RowVector3d p = wanted.block<1, 3>(i, j * stride);
+        const auto at = [i, j](const Rows& rows) {
+          return Vec3(rows.block<1, 3>(i, 3 * j).transpose());
+        };
+        Vec3 p = wanted.block<1, 3>(i, j * stride).transpose();
         if (stride == 4) p /= wanted(i, j * stride + 3);
-        const double error = (p - is.block<1, 3>(i, 3 * j)).norm();
+        const double error =
+            errorOf({at(from.points), at(from.crosses), p}, at(is.points), at(is.crosses));
         errors(i, j) = std::isfinite(error) ? error : std::numeric_limits<double>::infinity();
       }
     }
     return errors;
+  }
+
+  /// A point of the original, S_u x S_v there, and P + d n.
+  struct Wanted {
+    Vec3 from, cross, to;
+  };
+
+  /// Of position; if it is to be reversible also of what the way back along the offset's own normal
+  /// misses the original by, where the offset is far enough from folding to have that normal.
+  [[nodiscard]] double errorOf(const Wanted& wanted, const Vec3& point, const Vec3& cross) const {
+    const double there = (point - wanted.to).norm();
+    if (!options_.reversible) return there;
+    const Vec3 step = wanted.to - wanted.from;
+    const double stretched = std::copysign(1, options_.distance) * cross.dot(step);
+    const double area = wanted.cross.norm();
+    if (!(area > kFarFromPole * target_.typicalCross()) ||
+        !(stretched > kFarFromFold * area * step.norm()))
+      return there;
+    const Vec3 back = point - options_.distance * cross.normalized() - wanted.from;
+    return std::max(there, back.norm());
   }
 
   static bool exceedsNeighbours(const Eigen::MatrixXd& errors, Eigen::Index i, Eigen::Index j) {
@@ -259,7 +289,10 @@ class SurfaceOffsetter {
   [[nodiscard]] Worst climbed(const NurbsSurface& offset, const std::vector<double>& us,
                               const std::vector<double>& vs, std::size_t i, std::size_t j) const {
     const auto error = [&](double u, double v) {
-      return (evaluate(offset, u, v).position - target_.point(u, v)).norm();
+      const SurfacePoint from = evaluate(surface_, u, v);
+      const SurfacePoint is = evaluate(offset, u, v);
+      return errorOf({from.position, from.alongU.cross(from.alongV), target_.point(u, v)},
+                     is.position, is.alongU.cross(is.alongV));
     };
     const auto range = [](const std::vector<double>& all, std::size_t k) {
       return std::array{all[k > 0 ? k - 1 : 0], all[std::min(k + 1, all.size() - 1)]};

@@ -1,6 +1,7 @@
 #include "nurbs/surface_grid.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <queue>
@@ -9,7 +10,7 @@ namespace phront {
 namespace {
 
 constexpr double kDegenerate = 1e-8;  // of the typical |S_u x S_v|
-constexpr double kIntoDomain = 1e-5;  // of the domain: from where a degenerate normal is taken
+constexpr double kIntoDomain = 1e-4;  // of the domain: from where a degenerate normal is taken
 constexpr std::size_t kTypicalSamples = 7;
 constexpr std::size_t kFoldSamples = 20;  // along a direction, in search of folds
 constexpr std::size_t kLeastInSpan = 2;   // of these
@@ -40,15 +41,43 @@ Rows liftedPoles(const NurbsSurface& surface) {
   return result;
 }
 
-/// Sum over the poles along v of one row.
-Eigen::Vector4d sum(const Rows& rows, std::size_t i, const BasisAt& basis, std::size_t order,
-                    bool slope) {
-  Eigen::Vector4d result = Eigen::Vector4d::Zero();
-  const auto& factor = slope ? basis.slope : basis.value;
-  for (std::size_t k = 0; k < order; ++k)
-    result += factor[k] * rows.block<1, 4>(index(i), index(4 * (basis.first + k))).transpose();
-  return result;
-}
+/// A surface at the pairs of some parameters: sums along u are done once.
+class Lifted {
+ public:
+  Lifted(const NurbsSurface& surface, std::span<const double> us, std::span<const double> vs)
+      : inV_(surface.v, vs) {
+    const Rows poles = liftedPoles(surface);
+    const BasisRows inU(surface.u, us);
+    values_ = inU.times(poles);
+    slopes_ = inU.slopeTimes(poles);
+  }
+
+  [[nodiscard]] SurfacePoint at(std::size_t i, std::size_t j) const {
+    const BasisAt& v = inV_[j];
+    const Eigen::Vector4d p = sum(values_, i, v.first, v.value);
+    const Eigen::Vector4d alongU = sum(slopes_, i, v.first, v.value);
+    const Eigen::Vector4d alongV = sum(values_, i, v.first, v.slope);
+    SurfacePoint point;
+    point.position = p.head<3>() / p[3];
+    point.alongU = (alongU.head<3>() - alongU[3] * point.position) / p[3];
+    point.alongV = (alongV.head<3>() - alongV[3] * point.position) / p[3];
+    point.weight = p[3];
+    return point;
+  }
+
+ private:
+  template <class Factors>
+  [[nodiscard]] Eigen::Vector4d sum(const Rows& rows, std::size_t i, std::size_t first,
+                                    const Factors& factors) const {
+    Eigen::Vector4d result = Eigen::Vector4d::Zero();
+    for (std::size_t k = 0; k < inV_.order(); ++k)
+      result += factors[k] * rows.block<1, 4>(index(i), index(4 * (first + k))).transpose();
+    return result;
+  }
+
+  BasisRows inV_;
+  Rows values_, slopes_;
+};
 
 }  // namespace
 
@@ -58,17 +87,19 @@ bool isRational(const std::vector<double>& weights) {
   return *most - *least > 1e-14 * *most;
 }
 
-Rows pointsAt(const NurbsSurface& surface, std::span<const double> us, std::span<const double> vs) {
-  const Rows alongU = BasisRows(surface.u, us).times(liftedPoles(surface));
-  const BasisRows basis(surface.v, vs);
-  Rows result(index(us.size()), index(3 * vs.size()));
+SurfaceGrid gridOf(const NurbsSurface& surface, std::span<const double> us,
+                   std::span<const double> vs) {
+  const Lifted lifted(surface, us, vs);
+  SurfaceGrid grid{Rows(index(us.size()), index(3 * vs.size())),
+                   Rows(index(us.size()), index(3 * vs.size()))};
   for (std::size_t i = 0; i < us.size(); ++i) {
     for (std::size_t j = 0; j < vs.size(); ++j) {
-      const Eigen::Vector4d p = sum(alongU, i, basis[j], basis.order(), false);
-      result.block<1, 3>(index(i), index(3 * j)) = p.head<3>().transpose() / p[3];
+      const SurfacePoint p = lifted.at(i, j);
+      grid.points.block<1, 3>(index(i), index(3 * j)) = p.position.transpose();
+      grid.crosses.block<1, 3>(index(i), index(3 * j)) = p.alongU.cross(p.alongV).transpose();
     }
   }
-  return result;
+  return grid;
 }
 
 OffsetSurface::OffsetSurface(const NurbsSurface& surface, double distance)
@@ -158,17 +189,22 @@ Vec3 OffsetSurface::normal(double u, double v) const {
     const double step = steps * kIntoDomain * (knots.last() - knots.first());
     return t + std::copysign(step, middle - t);
   };
-  // Straight inwards along v, along u, or both: where the surface is least degenerate.
-  Vec3 near = here;
-  Vec3 far = here;
+  // Straight inwards along v, along u, or both: where the surface is least degenerate. From three
+  // points the limit is extrapolated.
+  std::array<Vec3, 3> inside{here, here, here};
   for (const auto& [a, b] : {std::pair{0, 1}, {1, 0}, {1, 1}}) {
-    const Vec3 other = cross(inward(surface_.u, u, a), inward(surface_.v, v, b));
-    if (!(other.norm() > near.norm())) continue;
-    near = other;
-    far = cross(inward(surface_.u, u, 2 * a), inward(surface_.v, v, 2 * b));
+    const auto at = [&](int k) {
+      return cross(inward(surface_.u, u, k * a), inward(surface_.v, v, k * b));
+    };
+    const Vec3 first = at(1);
+    if (first.norm() > inside[0].norm()) inside = {first, at(2), at(3)};
   }
-  if (!(near.norm() > 0 && far.norm() > 0)) return Vec3::Zero();
-  return unfolded(u, v, (2 * near.normalized() - far.normalized()).normalized());
+  for (Vec3& n : inside) {
+    if (!(n.norm() > 0)) return Vec3::Zero();
+    n.normalize();
+  }
+  const Vec3 limit = 3 * inside[0] - 3 * inside[1] + inside[2];
+  return unfolded(u, v, limit.normalized());
 }
 
 Vec3 OffsetSurface::point(double u, double v) const {
@@ -176,32 +212,19 @@ Vec3 OffsetSurface::point(double u, double v) const {
 }
 
 Rows OffsetSurface::at(std::span<const double> us, std::span<const double> vs) const {
-  const Rows lifted = liftedPoles(surface_);
-  const BasisRows inU(surface_.u, us);
-  const Rows values = inU.times(lifted);
-  const Rows slopes = inU.slopeTimes(lifted);
-  const BasisRows inV(surface_.v, vs);
+  const Lifted lifted(surface_, us, vs);
   const int wide = stride();
   Rows result(index(us.size()), index(vs.size()) * wide);
   for (std::size_t i = 0; i < us.size(); ++i) {
     for (std::size_t j = 0; j < vs.size(); ++j) {
-      const Eigen::Vector4d p = sum(values, i, inV[j], inV.order(), false);
-      const Eigen::Vector4d u = sum(slopes, i, inV[j], inV.order(), false);
-      const Eigen::Vector4d v = sum(values, i, inV[j], inV.order(), true);
-      const Vec3 position = p.head<3>() / p[3];
-      const Vec3 alongU = (u.head<3>() - u[3] * position) / p[3];
-      const Vec3 alongV = (v.head<3>() - v[3] * position) / p[3];
-      Vec3 n = alongU.cross(alongV);
+      const SurfacePoint p = lifted.at(i, j);
+      Vec3 n = p.alongU.cross(p.alongV);
       n = n.norm() > kDegenerate * typical_ ? unfolded(us[i], vs[j], n.normalized())
                                             : normal(us[i], vs[j]);
-      const Vec3 moved = position + distance_ * n;
+      const Vec3 moved = p.position + distance_ * n;
       const Eigen::Index column = index(j) * wide;
-      if (rational_) {
-        result.block<1, 3>(index(i), column) = p[3] * moved.transpose();
-        result(index(i), column + 3) = p[3];
-      } else {
-        result.block<1, 3>(index(i), column) = moved.transpose();
-      }
+      result.block<1, 3>(index(i), column) = (rational_ ? p.weight : 1) * moved.transpose();
+      if (rational_) result(index(i), column + 3) = p.weight;
     }
   }
   return result;

@@ -12,9 +12,13 @@ namespace phront {
 /// Whether the weights matter.
 [[nodiscard]] bool isRational(const std::vector<double>& weights);
 
-/// Points of a surface: one row for each u, three numbers for each v.
-[[nodiscard]] Rows pointsAt(const NurbsSurface& surface, std::span<const double> us,
-                            std::span<const double> vs);
+/// One row for each u, three numbers for each v.
+struct SurfaceGrid {
+  Rows points;
+  Rows crosses;  ///< S_u x S_v
+};
+[[nodiscard]] SurfaceGrid gridOf(const NurbsSurface& surface, std::span<const double> us,
+                                 std::span<const double> vs);
 
 /// Normals and offset points of a surface, S_u x S_v normalised; where it vanishes (poles,
 /// degenerate edges) the limit from inside. Where the surface folds back on itself S_u x S_v turns
@@ -25,6 +29,7 @@ class OffsetSurface {
   OffsetSurface(const NurbsSurface& surface, double distance);
 
   [[nodiscard]] bool hasNormals() const { return typical_ > 0; }
+  [[nodiscard]] double typicalCross() const { return typical_; }  ///< |S_u x S_v|
   /// Zero where there is none.
   [[nodiscard]] Vec3 normal(double u, double v) const;
   [[nodiscard]] Vec3 point(double u, double v) const;  ///< S + d n
