@@ -28,7 +28,7 @@ struct ContourOptions {
   Vec2 low, high;    ///< lines end outside this box
   double chord = 0;  ///< largest distance of the segments from the line
   double longestStep = 0;
-  int maxQueries = 15'000;  ///< of the clearance, for all lines together
+  int maxQueries = 60'000;  ///< of the clearance, for all lines together
 };
 
 struct Contour {

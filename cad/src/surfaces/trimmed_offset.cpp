@@ -33,14 +33,15 @@ constexpr double kCutShare = 0.4;     // nearer than |d| by this: cut off
 constexpr double kMissedShare = 0.8;  // nearer by this: should have been cut off
 constexpr double kChordShare = 0.2;   // of the cut lines from the true ones
 constexpr double kGridPitch = 2;      // |d| between samples inside
-constexpr int kLeastGrid = 8;
-constexpr int kMostGrid = 48;
+constexpr int kLeastGrid = 16;
+constexpr int kMostGrid = 64;
 constexpr double kBorderPitch = 0.5;  // |d| between samples on loops
 constexpr int kLeastOnEdge = 8;
 constexpr int kMostOnEdge = 200;
 constexpr double kLongestStep = 1;  // |d|, of lines
 constexpr int kInwardDoublings = 16;
 constexpr double kMargin = 0.01;  // of the domain: how far lines run beyond it
+constexpr double kMeshSlack = 4;  // times the measured deflection: error of triangle distances
 constexpr int kLooks = 20;        // per direction, into a part that was cut out
 constexpr int kMostRounds = 4;
 constexpr int kCells = 96;     // per direction, where lines cannot be followed
@@ -61,6 +62,8 @@ class PieceTrimmer {
         tolerance_(tolerance),
         phi_(phi),
         plane_(scaleOf(piece)) {
+    for (const FaceFeature& f : phi.tessellation().features.faces)
+      meshSlack_ = std::max(meshSlack_, kMeshSlack * f.deflection);
     low_ = plane_.toPlane({piece.box.u.low, piece.box.v.low});
     high_ = plane_.toPlane({piece.box.u.high, piece.box.v.high});
   }
@@ -170,7 +173,10 @@ class PieceTrimmer {
              up.dot(toVec3(dv.XYZ())) / plane_.scale()[1]}};
   }
   [[nodiscard]] bool valid(const Vec2& x) const {
-    return level(x) >= std::abs(distance_) - kCutShare * tolerance_;
+    const double least = std::abs(distance_) - kCutShare * tolerance_;
+    // Mostly the triangles tell already.
+    if (phi_.surface().foot(pointAt(x)).distance + meshSlack_ < least) return false;
+    return level(x) >= least;
   }
   [[nodiscard]] bool inFace(const Vec2& x) {
     const Vec2 uv = plane_.fromPlane(x);
@@ -181,13 +187,14 @@ class PieceTrimmer {
     return (x.array() >= low_.array()).all() && (x.array() <= high_.array()).all();
   }
 
+  [[nodiscard]] int cellsFor(double length, int least) const {
+    return static_cast<int>(
+        std::clamp(length / (kGridPitch * std::abs(distance_)), double(least), double(kMostGrid)));
+  }
+
   void sampleInside() {
-    const double pitch = kGridPitch * std::abs(distance_);
-    const auto cells = [&](double length) {
-      return static_cast<int>(std::clamp(length / pitch, double(kLeastGrid), double(kMostGrid)));
-    };
-    const int nu = cells(high_[0] - low_[0]);
-    const int nv = cells(high_[1] - low_[1]);
+    const int nu = cellsFor(high_[0] - low_[0], kLeastGrid);
+    const int nv = cellsFor(high_[1] - low_[1], kLeastGrid);
     struct Node {
       Vec2 at;
       bool inside = false, valid = false;
@@ -265,7 +272,8 @@ class PieceTrimmer {
     const double reach = (high_ - low_).norm();
     for (int k = 0; k < kInwardDoublings && step < reach; ++k, step *= 2) {
       const Vec2 next = x + step * inward;
-      if (!inFace(next)) return;
+      // Near a curved loop the classifier, which goes by polygons, may err.
+      if (!inFace(next)) continue;
       if (valid(next)) {
         ++valid_;
         seeds_.push_back({last, next});
@@ -319,9 +327,11 @@ class PieceTrimmer {
     double v1 = 0;
     BRepTools::UVBounds(part, u0, u1, v0, v1);
     const BRepTopAdaptor_FClass2d inside(part, Precision::PConfusion());
-    for (int i = 0; i < kLooks; ++i) {
-      for (int j = 0; j < kLooks; ++j) {
-        const Vec2 x(u0 + (u1 - u0) * (i + 0.5) / kLooks, v0 + (v1 - v0) * (j + 0.5) / kLooks);
+    const int nu = cellsFor(u1 - u0, kLooks);
+    const int nv = cellsFor(v1 - v0, kLooks);
+    for (int i = 0; i < nu; ++i) {
+      for (int j = 0; j < nv; ++j) {
+        const Vec2 x(u0 + (u1 - u0) * (i + 0.5) / nu, v0 + (v1 - v0) * (j + 0.5) / nv);
         if (inside.Perform(gp_Pnt2d(x[0], x[1])) == TopAbs_IN) look(x);
       }
     }
@@ -345,6 +355,7 @@ class PieceTrimmer {
   ParameterPlane plane_;
   ClearanceAt clearance_ = [this](const Vec2& x) { return clearance(x); };
   Vec2 low_, high_;
+  double meshSlack_ = 0;
   std::vector<ContourSeed> seeds_;
   int valid_ = 0;
 };
