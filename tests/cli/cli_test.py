@@ -56,6 +56,32 @@ class CliTest(unittest.TestCase):
         path.unlink(missing_ok=True)
         return path
 
+    def test_surfaces(self) -> None:
+        for distance, name in ((1, "skins.step"), (-1, "skins.iges")):
+            out, report = self.out(name), self.out("skins.json")
+            done = phront(
+                "offset", self.part, f"--distance={distance}", "--surfaces", "-o", out,
+                "--report", report,
+            )  # fmt: skip
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertIn("22 trimmed surfaces from 22 faces: 22 exact", done.stderr)
+            data = json.loads(report.read_text())
+            self.assertEqual(data["failed"], 0)
+            self.assertLessEqual(data["deviation_mm"], data["tolerance_mm"])
+            back = phront("info", out, "-q", "--report", "-")
+            bodies = json.loads(back.stdout)["bodies"]
+            self.assertEqual(sum(len(body["faces"]) for body in bodies), 22)
+
+    def test_surfaces_of_what_has_none(self) -> None:
+        done = phront("offset", self.box, "-d", 1, "--surfaces", "-o", self.folder / "skins.step")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("--surfaces", done.stderr)
+        out = self.out("none.step")
+        done = phront("offset", self.part, "--distance=-30", "--surfaces", "-o", out)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("there is no offset", done.stderr)
+        self.assertFalse(out.exists())
+
     def test_drawing_in_drawing_out(self) -> None:
         drawing = self.folder / "plate.svg"
         drawing.write_text(
