@@ -17,6 +17,7 @@ constexpr double kMostCorrection = 0.3;  // of a step
 constexpr double kCheckedStep = 8;       // chords: shorter steps miss nothing between
 constexpr double kShortestStep = 0.5;    // of the chord
 constexpr int kDirections = 24;          // looked into at a corner
+constexpr int kMostInVain = 4000;        // queries
 constexpr int kMostCorners = 12;         // one after the other
 constexpr double kSameLine = 3;          // chords: seeds nearer to a line belong to it
 
@@ -35,11 +36,17 @@ class Tracer {
       : clearance_(clearance), options_(options), queries_(queries) {}
 
   void run(const std::vector<ContourSeed>& seeds, std::vector<Contour>& lines) const {
+    int vain = 0;  // queries for lines that end inside
     for (const ContourSeed& seed : seeds) {
-      if (queries_ > options_.maxQueries) return;
+      if (queries_ > options_.maxQueries || vain > kMostInVain) return;
       const std::optional<OnLine> start = between(seed.without, seed.with);
       if (!start || isOn(lines, start->at)) continue;
-      if (std::optional<Contour> line = traced(*start)) lines.push_back(std::move(*line));
+      const int before = queries_;
+      std::optional<Contour> line = traced(*start);
+      const bool ends =
+          line && !line->closed && (inside(line->points.front()) || inside(line->points.back()));
+      if (!line || ends) vain += queries_ - before;
+      if (line) lines.push_back(std::move(*line));
     }
   }
 

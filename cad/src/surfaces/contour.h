@@ -39,7 +39,7 @@ struct Contour {
 /// Adds the lines of clearance 0 through the seeds that `lines` does not hold yet, by predictor and
 /// corrector (Allgower & Georg 1990): steps along the tangent, Newton back to the line from the
 /// side where it is smooth. Corners are kept to within the chord. What winds from corner to corner
-/// ends, and after maxQueries no more lines are found.
+/// ends; after maxQueries, or some thousand for lines that end inside, no more lines are found.
 void traceContours(const ClearanceAt& clearance, const std::vector<ContourSeed>& seeds,
                    const ContourOptions& options, std::vector<Contour>& lines);
 

@@ -14,12 +14,14 @@ constexpr double kIntoDomain = 1e-4;  // of the domain: from where a degenerate 
 constexpr std::size_t kTypicalSamples = 7;
 constexpr std::size_t kFoldSamples = 20;  // along a direction, in search of folds
 constexpr std::size_t kLeastInSpan = 2;   // of these
-constexpr double kTurnedOver = -0.5;      // cosine between neighbours' normals
+constexpr std::size_t kMostFoldSamples = 300;
+constexpr double kTurnedOver = -0.5;  // cosine between neighbours' normals
 
 /// Parameters all over a domain, in each span some unless there are very many.
 std::vector<double> spreadOver(const Knots& knots) {
   const std::size_t spans = knots.distinct().size() - 1;
-  const std::size_t each = std::clamp(kFoldSamples / spans, kLeastInSpan, kFoldSamples);
+  std::size_t each = std::clamp(kFoldSamples / spans, kLeastInSpan, kFoldSamples);
+  if (each * spans > kMostFoldSamples) each = std::max<std::size_t>(1, kMostFoldSamples / spans);
   return densely(knots, static_cast<int>(each));
 }
 
@@ -118,12 +120,15 @@ OffsetSurface::OffsetSurface(const NurbsSurface& surface, double distance)
 void OffsetSurface::findFolds() {
   const std::vector<double> us = spreadOver(surface_.u);
   const std::vector<double> vs = spreadOver(surface_.v);
+  const Rows crosses = gridOf(surface_, us, vs).crosses;
   std::vector<Vec3> normals;
   std::vector<double> lengths;
-  for (const double v : vs) {
-    for (const double u : us) {
-      normals.push_back(normal(u, v));
-      lengths.push_back(cross(u, v).norm());
+  for (std::size_t j = 0; j < vs.size(); ++j) {
+    for (std::size_t i = 0; i < us.size(); ++i) {
+      const Vec3 cross = crosses.block<1, 3>(index(i), index(3 * j)).transpose();
+      lengths.push_back(cross.norm());
+      normals.push_back(lengths.back() > kDegenerate * typical_ ? Vec3(cross / lengths.back())
+                                                                : normal(us[i], vs[j]));
     }
   }
   const std::size_t rows = us.size();
