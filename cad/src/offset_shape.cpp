@@ -17,6 +17,7 @@
 #include "phront/cad/shape_occt.h"
 #include "rebuild/body_offset.h"
 #include "rebuild/near_bodies.h"
+#include "request.h"
 
 namespace phront::cad {
 namespace {
@@ -34,21 +35,6 @@ constexpr double kReadBackShare = 0.6;
 constexpr double kLeastReadBackSeconds = 10;
 constexpr double kMostReadBackSeconds = 45;
 constexpr double kLeastCheckSeconds = 10;
-
-Result<OffsetOptions> resolve(const Model& model, OffsetOptions options) {
-  if (!std::isfinite(options.distance) || options.distance == 0)
-    return fail(ErrorCode::InvalidArgument,
-                "the offset distance must be a finite number other than 0; give -d in mm or with a "
-                "unit, for example -d 2 or -d -0.1in");
-  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance)))
-    return fail(ErrorCode::InvalidArgument, "the tolerance must be a positive length");
-  if (!(options.timeLimit > 0))
-    return fail(ErrorCode::InvalidArgument, "the time limit must be a positive number of seconds");
-  if (model.bodies.empty())
-    return fail(ErrorCode::InvalidArgument, "the model holds no body to offset");
-  if (!options.tolerance) options.tolerance = 0.01 * std::abs(options.distance);
-  return options;
-}
 
 void addTimes(std::vector<StageTime>& sum, const std::vector<StageTime>& times) {
   for (const StageTime& time : times) {
@@ -198,17 +184,20 @@ CheckResult checkWhole(const Model& in, const OffsetResult& result, const Deadli
 
 Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& requested,
                                  const Progress& progress) {
-  const Result<OffsetOptions> options = resolve(model, requested);
-  if (!options) return tl::unexpected(options.error());
+  const Result<double> tolerance =
+      checkedTolerance(model, requested.distance, requested.tolerance, requested.timeLimit);
+  if (!tolerance) return tl::unexpected(tolerance.error());
+  OffsetOptions options = requested;
+  options.tolerance = *tolerance;
   OffsetResult result;
   OffsetReport& report = result.report;
-  report.options = *options;
+  report.options = options;
   report.warnings = model.warnings;
-  const Deadline deadline(options->timeLimit);
-  const std::vector<Body> bodies = joinNearBodies(model.bodies, options->distance, report.warnings);
+  const Deadline deadline(options.timeLimit);
+  const std::vector<Body> bodies = joinNearBodies(model.bodies, options.distance, report.warnings);
   const Progress forBodies = progress.part(0, 0.95);
   Result<std::vector<BodyOffset>> offsets =
-      BodiesOffset(bodies, *options, deadline.left() * (bodies.size() > 1 ? kBodiesShare : 1),
+      BodiesOffset(bodies, options, deadline.left() * (bodies.size() > 1 ? kBodiesShare : 1),
                    forBodies)
           .run();
   if (!offsets) return tl::unexpected(offsets.error());

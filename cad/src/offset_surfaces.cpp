@@ -18,6 +18,7 @@
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
 #include "phront/cad/shape_occt.h"
+#include "request.h"
 #include "surfaces/trimmed_offset.h"
 #include "tessellate/body_distance.h"
 
@@ -30,21 +31,6 @@ constexpr double kMostFaceSeconds = 30;
 constexpr double kLeastFaceSeconds = 2;
 constexpr double kFaceMemoryMiB = 4096;
 constexpr std::size_t kHeader = 8;  // digits of the size of the report before the shape
-
-Result<SurfacesOptions> resolve(const Model& model, SurfacesOptions options) {
-  if (!std::isfinite(options.distance) || options.distance == 0)
-    return fail(ErrorCode::InvalidArgument,
-                "the offset distance must be a finite number other than 0; give -d in mm or with a "
-                "unit, for example -d 2 or -d -0.1in");
-  if (options.tolerance && !(*options.tolerance > 0 && std::isfinite(*options.tolerance)))
-    return fail(ErrorCode::InvalidArgument, "the tolerance must be a positive length");
-  if (!(options.timeLimit > 0))
-    return fail(ErrorCode::InvalidArgument, "the time limit must be a positive number of seconds");
-  if (model.bodies.empty())
-    return fail(ErrorCode::InvalidArgument, "the model holds no body to offset");
-  if (!options.tolerance) options.tolerance = 0.01 * std::abs(options.distance);
-  return options;
-}
 
 TopoDS_Compound compoundOf(const std::vector<TopoDS_Face>& faces) {
   const BRep_Builder builder;
@@ -156,14 +142,17 @@ double SurfacesResult::deviation() const {
 
 Result<SurfacesResult> offsetSurfaces(const Model& model, const SurfacesOptions& requested,
                                       const Progress& progress) {
-  const Result<SurfacesOptions> options = resolve(model, requested);
-  if (!options) return tl::unexpected(options.error());
+  const Result<double> tolerance =
+      checkedTolerance(model, requested.distance, requested.tolerance, requested.timeLimit);
+  if (!tolerance) return tl::unexpected(tolerance.error());
+  SurfacesOptions options = requested;
+  options.tolerance = *tolerance;
   SurfacesResult result;
-  result.options = *options;
+  result.options = options;
   result.warnings = model.warnings;
   result.model.unit = model.unit;
   result.model.unitInMm = model.unitInMm;
-  const Deadline deadline(options->timeLimit);
+  const Deadline deadline(options.timeLimit);
   const double count = static_cast<double>(model.bodies.size());
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     const Body& body = model.bodies[b];
@@ -172,14 +161,14 @@ Result<SurfacesResult> offsetSurfaces(const Model& model, const SurfacesOptions&
     if (!part.report(0)) return fail(ErrorCode::Cancelled, "the offset was cancelled");
     const Deadline ownTime(deadline.left() / static_cast<double>(model.bodies.size() - b));
     const Result<TrueDistance> phi = distanceOf(
-        body, options->distance, ownTime.forStep(kTessellateShare, 1, kMostTessellateSeconds));
+        body, options.distance, ownTime.forStep(kTessellateShare, 1, kMostTessellateSeconds));
     if (!phi) return tl::unexpected(phi.error());
     TopTools_IndexedMapOfShape map;
     TopExp::MapShapes(occtShape(body.shape), TopAbs_FACE, map);
     std::vector<TopoDS_Face> faces;
     for (int f = 1; f <= map.Extent(); ++f) faces.push_back(TopoDS::Face(map(f)));
     Result<std::vector<TrimmedOffset>> offsets =
-        offsetFaces(faces, body.kind == BodyKind::Solid, *options, *phi, ownTime, part);
+        offsetFaces(faces, body.kind == BodyKind::Solid, options, *phi, ownTime, part);
     if (!offsets) return tl::unexpected(offsets.error());
     BodySurfaces report{body.name, {}};
     Body made;

@@ -31,8 +31,10 @@ namespace {
 constexpr double kFitShare = 0.3;     // of the tolerance, for the surfaces
 constexpr double kCutShare = 0.4;     // nearer than |d| by this: cut off
 constexpr double kMissedShare = 0.8;  // nearer by this: should have been cut off
-constexpr double kChordShare = 0.2;   // of the cut lines from the true ones
-constexpr double kGridPitch = 2;      // |d| between samples inside
+constexpr double kClearShare = 0.1;   // nearer by less: certainly on the front
+constexpr std::size_t kLeastClear = 6;
+constexpr double kChordShare = 0.2;  // of the cut lines from the true ones
+constexpr double kGridPitch = 2;     // |d| between samples inside
 constexpr int kLeastGrid = 16;
 constexpr int kMostGrid = 64;
 constexpr double kBorderPitch = 0.5;  // |d| between samples on loops
@@ -70,8 +72,9 @@ class PieceTrimmer {
 
   /// Faces on the piece's surface, FORWARD. `cutAtBox`: the face reaches beyond the piece.
   Result<std::vector<TopoDS_Face>> trimmed(bool cutAtBox, bool& whole) {
-    sampleInside();
+    sampleInside(kLeastGrid);
     sampleLoops();
+    if (valid_ == 0) sampleInside(kMostGrid);  // before it is said to be gone
     std::vector<TopoDS_Face> faces;
     if (valid_ == 0) return faces;
     const Result<TopoDS_Face> domain = plane_.domainOf(face_);
@@ -192,9 +195,9 @@ class PieceTrimmer {
         std::clamp(length / (kGridPitch * std::abs(distance_)), double(least), double(kMostGrid)));
   }
 
-  void sampleInside() {
-    const int nu = cellsFor(high_[0] - low_[0], kLeastGrid);
-    const int nv = cellsFor(high_[1] - low_[1], kLeastGrid);
+  void sampleInside(int least) {
+    const int nu = cellsFor(high_[0] - low_[0], least);
+    const int nv = cellsFor(high_[1] - low_[1], least);
     struct Node {
       Vec2 at;
       bool inside = false, valid = false;
@@ -303,18 +306,17 @@ class PieceTrimmer {
       edges.push_back(plane_.edgeBetween({b.u.low - extra[0], v}, {b.u.high + extra[0], v}));
   }
 
-  /// Whether most points inside a part of the domain are valid, and in this piece. In a part that
-  /// is kept, points that clearly are not give seeds.
+  /// Whether most points inside a part of the domain are valid, and in this piece. Those that
+  /// clearly are otherwise give seeds for more lines.
   [[nodiscard]] bool alive(const TopoDS_Face& part) {
-    std::vector<Vec2> good;
-    std::vector<Vec2> missed;
-    std::size_t bad = 0;
+    std::vector<Vec2> clear;   // certainly valid
+    std::vector<Vec2> missed;  // certainly not
+    int good = 0;
+    int bad = 0;
     const auto look = [&](const Vec2& x) {
       const double lack = std::abs(distance_) - level(x);
-      if (inBox(x) && lack <= kCutShare * tolerance_)
-        good.push_back(x);
-      else
-        ++bad;
+      (inBox(x) && lack <= kCutShare * tolerance_ ? good : bad) += 1;
+      if (inBox(x) && lack <= kClearShare * tolerance_) clear.push_back(x);
       if (inBox(x) && lack > kMissedShare * tolerance_) missed.push_back(x);
     };
     const Handle(IntTools_Context) context = new IntTools_Context;
@@ -335,14 +337,23 @@ class PieceTrimmer {
         if (inside.Perform(gp_Pnt2d(x[0], x[1])) == TopAbs_IN) look(x);
       }
     }
-    if (good.size() <= bad) return false;
-    for (const Vec2& x : missed) {
-      const auto nearest = std::min_element(good.begin(), good.end(), [&](auto& a, auto& b) {
-        return (a - x).squaredNorm() < (b - x).squaredNorm();
-      });
-      seeds_.push_back({x, *nearest});
+    const bool kept = good > bad;
+    // Few valid points of a part that goes lie beside its border.
+    if (kept || clear.size() >= kLeastClear) seedBetween(clear, missed);
+    return kept;
+  }
+
+  void seedBetween(const std::vector<Vec2>& with, const std::vector<Vec2>& without) {
+    const bool fewerWith = with.size() < without.size();
+    const std::vector<Vec2>& few = fewerWith ? with : without;
+    const std::vector<Vec2>& many = fewerWith ? without : with;
+    for (const Vec2& x : few) {
+      const auto nearest =
+          std::min_element(many.begin(), many.end(), [&](const Vec2& a, const Vec2& b) {
+            return (a - x).squaredNorm() < (b - x).squaredNorm();
+          });
+      seeds_.push_back(fewerWith ? ContourSeed{*nearest, x} : ContourSeed{x, *nearest});
     }
-    return true;
   }
 
   TopoDS_Face face_;
