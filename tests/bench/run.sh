@@ -13,7 +13,7 @@ buildRelease make_bracket
 echo "== building the benchmarks"
 cmake --preset release -DPHRONT_BENCHMARKS=ON
 cmake --build --preset release --parallel "$(nproc)" \
-  --target phront_bench phront_methods phront_growth
+  --target phront_bench phront_methods phront_growth phront_nurbs_bench
 
 out=samples/out/bench
 mkdir -p "$out"

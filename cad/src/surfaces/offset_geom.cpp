@@ -37,6 +37,7 @@ constexpr double kSameNormal = 1e-10;
 constexpr double kVanished = 1e-9;    // of |d|: radius that is none
 constexpr int kFittedDegree = 5;      // of curves that are no splines
 constexpr double kDegenerate = 1e-9;  // |S_u x S_v| of the two lengths' product
+constexpr double kBesideEnd = 1e-10;  // of a piece: there it has its own normal
 constexpr double kIntoDomain = 1e-5;  // from where a degenerate normal is taken
 
 Pieces exactPiece(const Handle(Geom_Surface) & surface, const ParameterBox& box) {
@@ -139,7 +140,7 @@ class SweptOffset {
     for (const Interval& part : between(along(), cornerStrips(whole, normalAt, options_))) {
       // Normals of this piece at its ends, not of the neighbours.
       const auto inside = [&](double t) {
-        const double least = kIntoDomain * kIntoDomain * (part.high - part.low);
+        const double least = kBesideEnd * (part.high - part.low);
         return normal(std::clamp(t, part.low + least, part.high - least));
       };
       const Result<CurveOffset> offset = offsetNurbs(nurbsOf(*spline, part), inside, options_);

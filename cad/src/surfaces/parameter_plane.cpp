@@ -1,14 +1,12 @@
 #include "surfaces/parameter_plane.h"
 
 #include <BRepAlgoAPI_Splitter.hxx>
-#include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepLib.hxx>
 #include <BRepTools_WireExplorer.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom2dConvert.hxx>
 #include <Geom2d_BSplineCurve.hxx>
-#include <Geom2d_Line.hxx>
 #include <Geom2d_TrimmedCurve.hxx>
 #include <GeomAPI.hxx>
 #include <GeomAPI_Interpolate.hxx>
@@ -118,12 +116,6 @@ std::vector<LoopEdge> loopEdges(const TopoDS_Wire& wire, const TopoDS_Face& face
   return edges;
 }
 
-int edgeCount(const TopoDS_Wire& wire) {
-  int count = 0;
-  for (TopoDS_Iterator it(wire); it.More(); it.Next()) ++count;
-  return count;
-}
-
 Result<TopoDS_Wire> planarLoop(const std::vector<LoopEdge>& edges, double widestGap) {
   std::vector<TopoDS_Vertex> corners;
   for (std::size_t i = 0; i < edges.size(); ++i) {
@@ -175,6 +167,10 @@ std::vector<std::vector<Vec2>> smoothParts(const Contour& line, double chord) {
     if (!last && fromCorner < kCornerSize * chord) continue;
     if (!last && !corner && (points[i] - parts.back().back()).norm() < kCornerSize * chord / 2)
       continue;
+    // The end is kept, in place of a point too near to it for a curve through both.
+    if (last && parts.back().size() > 1 &&
+        (points[i] - parts.back().back()).norm() < kCornerSize * chord / 2)
+      parts.back().pop_back();
     parts.back().push_back(points[i]);
     if (corner && !last) parts.push_back({points[i]});
   }
@@ -212,7 +208,7 @@ Result<TopoDS_Face> ParameterPlane::domainOf(const TopoDS_Face& original) const 
   for (TopExp_Explorer wires(face, TopAbs_WIRE); wires.More(); wires.Next()) {
     const TopoDS_Wire wire = TopoDS::Wire(wires.Current());
     std::vector<LoopEdge> edges = loopEdges(wire, face, scale_);
-    if (static_cast<int>(edges.size()) > edgeCount(wire) || edges.empty()) continue;
+    if (edges.empty()) continue;
     for (const LoopEdge& e : edges) {
       const gp_Pnt middle =
           e.curve->Value((e.curve->FirstParameter() + e.curve->LastParameter()) / 2);

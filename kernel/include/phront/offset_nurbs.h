@@ -61,7 +61,8 @@ using CurveNormal = std::function<Vec3(double t)>;
                                               const NurbsOffsetOptions& options);
 
 /// The same for a surface, along S_u x S_v. At poles and degenerate edges the normal is the limit
-/// from inside. Fails as for curves, and with Cancelled.
+/// from inside; where the surface folds back on itself it does not turn over with S_u x S_v, but
+/// goes on as it is where the surface is stretched most. Fails as for curves, and with Cancelled.
 [[nodiscard]] Result<SurfaceOffset> offsetNurbs(const NurbsSurface& surface,
                                                 const NurbsOffsetOptions& options,
                                                 const Progress& progress = {});
