@@ -186,6 +186,32 @@ TEST(OffsetNurbsCurve, ThereAndBackIsWhereItBegan) {
             2 * kTolerance);
 }
 
+TEST(OffsetNurbsCurve, ReversibleBoundsTheWayBack) {
+  // |d| is many times the ripple's length, so that small errors tilt the normals enough.
+  NurbsCurve curve{uniform(3, 40), {}, {}};
+  for (std::size_t i = 0; i < 40; ++i) {
+    const double t = curve.knots.greville()[i];
+    curve.poles.emplace_back(20 * t, 0.02 * std::sin(60 * t), 0);
+  }
+  constexpr double kTolerance = 2e-4;
+  for (const KnotRule rule : {KnotRule::Original, KnotRule::Fewest}) {
+    NurbsOffsetOptions options{.distance = 3, .tolerance = kTolerance, .knots = rule};
+    const auto missedBy = [&] {
+      const auto there = offsetNurbs(curve, normalInPlane(curve, Vec3::UnitZ()), options);
+      EXPECT_TRUE(there.has_value()) << there.error().message;
+      EXPECT_LE(there->error, kTolerance);
+      return farthest(there->curve, [&](double t) {
+        const Vec3 n = normalInPlane(there->curve, Vec3::UnitZ())(t);
+        // What an exact offset back from here would miss.
+        return Vec3(evaluate(curve, t).position + options.distance * n);
+      });
+    };
+    EXPECT_GT(missedBy(), 2 * kTolerance) << "the case asks nothing";
+    options.reversible = true;
+    EXPECT_LE(missedBy(), kTolerance * 1.001);
+  }
+}
+
 TEST(OffsetNurbsCurve, ClosedCurveStaysClosed) {
   // Smooth at its seam, three lobes.
   constexpr std::size_t kPoles = 24;

@@ -15,6 +15,7 @@
 #include "rebuild/attempt_runner.h"
 #include "rebuild/facet_stage.h"
 #include "rebuild/front_stage.h"
+#include "rebuild/sheet_stage.h"
 #include "tessellate/body_distance.h"
 #include "tessellate/true_distance.h"
 
@@ -29,9 +30,11 @@ constexpr double kRecognitionOfDiagonal = 2e-6;
 constexpr double kRecognitionOfDistance = 1e-3;
 constexpr double kRecognitionSeconds = 10;
 constexpr double kRecognitionMemoryMiB = 2000;
-// Shares of the time left: attempts where facets can follow, and where nothing can.
+// Shares of the time left: attempts where facets can follow, where nothing can, and where trimmed
+// faces can.
 constexpr double kAttemptShare = 0.6;
 constexpr double kOnlyAttemptsShare = 0.9;
+constexpr double kSheetAttemptShare = 0.35;
 constexpr double kTessellateShare = 0.3;
 constexpr double kMostTessellateSeconds = 45;
 // Of the front: first, when all else is still to come; and when only facets follow.
@@ -118,7 +121,7 @@ class BodyOffsetter {
     clock_.lap("heal");
     const Result<TrueDistance> phi =
         distanceOf(healed, options_.distance,
-                        deadline_.forStep(kTessellateShare, kLeastSeconds, kMostTessellateSeconds));
+                   deadline_.forStep(kTessellateShare, kLeastSeconds, kMostTessellateSeconds));
     if (!phi) return tl::unexpected(phi.error());
     clock_.lap("tessellate");
 
@@ -140,6 +143,9 @@ class BodyOffsetter {
       }
       if (!progress_.part(0.9, 1, "facets").report(0)) return cancelled();
       useFacets(*phi);
+    } else if (body_.kind == BodyKind::Sheet) {
+      if (Result<void> made = useTrimmedFaces(healed, *phi); !made)
+        return tl::unexpected(made.error());
     } else {
       report().check =
           failedCheck(report().attempts.empty()
@@ -188,7 +194,10 @@ class BodyOffsetter {
   /// True when an attempt is accepted; else `rejected` may hold the first that is at least closed.
   bool tryExact(const Body& healed, const TrueDistance& phi, bool facetsMayFollow,
                 std::optional<JudgedAttempt>& rejected) {
-    const double share = facetsMayFollow ? kAttemptShare : kOnlyAttemptsShare;
+    const bool sheet = body_.kind == BodyKind::Sheet;
+    const double share = sheet             ? kSheetAttemptShare
+                         : facetsMayFollow ? kAttemptShare
+                                           : kOnlyAttemptsShare;
     AttemptLog log = runAttempts(body_, healed, options_, phi, Deadline(share * deadline_.left()),
                                  progress_.part(0.3, 0.8, "exact patches"));
     clock_.lap("exact patches");
@@ -216,6 +225,21 @@ class BodyOffsetter {
     report().kind = report().check.pass() ? OffsetKind::Faceted : OffsetKind::Failed;
     result_.bodies = std::move(facets.bodies);
     clock_.lap("facets");
+  }
+
+  Result<void> useTrimmedFaces(const Body& healed, const TrueDistance& phi) {
+    Result<SheetAttempt> sheet = sheetOfFaces(body_, healed, options_, phi, deadline_,
+                                              progress_.part(0.8, 1, "trimmed faces"));
+    clock_.lap("trimmed faces");
+    if (!sheet) return tl::unexpected(sheet.error());
+    report().setting = "trimmed faces";
+    report().check = std::move(sheet->check);
+    report().exactFaces = sheet->exactFaces;
+    report().fittedFaces = sheet->fittedFaces;
+    report().kind = report().check.pass() ? OffsetKind::Exact : OffsetKind::Failed;
+    if (report().check.pass() && sheet->bodies.empty()) report().kind = OffsetKind::Empty;
+    result_.bodies = std::move(sheet->bodies);
+    return {};
   }
 
   const Body& body_;

@@ -35,7 +35,8 @@ constexpr double kMargin = 0.01;  // of the domain: how far lines run beyond it
 constexpr double kMeshSlack = 4;  // times the measured deflection: error of triangle distances
 constexpr int kLooks = 20;        // per direction, into a part that was cut out
 constexpr int kMostRounds = 4;
-constexpr int kCells = 96;     // per direction, where lines cannot be followed
+constexpr int kLeastCells = 96;  // per direction, where lines cannot be followed
+constexpr int kMostCells = 384;
 constexpr int kMeasured = 14;  // per direction, of each trimmed surface
 
 Vec2 vec2(const gp_Pnt2d& p) { return {p.X(), p.Y()}; }
@@ -70,12 +71,16 @@ class PieceTrimmer {
     if (!domain) return tl::unexpected(domain.error());
     std::vector<TopoDS_Face> kept;
     std::vector<Contour> lines;
-    for (int round = 0; round < kMostRounds; ++round) {
+    int cells = 0;  // none while lines are followed
+    for (int round = 0; cells < kMostCells; ++round) {
       const std::size_t before = lines.size();
-      traceContours(clearance_, seeds_, lineOptions(), lines);
-      // Where nothing is gained by following lines, the measure is at odds with itself: cells do.
-      const bool onGrid = round > 0 && (lines.size() == before || round + 1 == kMostRounds);
-      if (onGrid) lines = gridContours(clearance_, lineOptions(), kCells);
+      if (cells == 0) traceContours(clearance_, seeds_, lineOptions(), lines);
+      // Where nothing is gained by following lines, the measure is at odds with itself or they are
+      // too many: cells do, and smaller ones where those see too little.
+      if (cells > 0 || (round > 0 && lines.size() == before) || round + 1 == kMostRounds) {
+        cells = std::max(kLeastCells, 2 * cells);
+        lines = gridContours(clearance_, lineOptions(), cells);
+      }
       std::vector<TopoDS_Edge> edges = ParameterPlane::edgesAlong(lines, chord());
       if (cutAtBox) addBox(edges);
       const Result<std::vector<TopoDS_Face>> parts = ParameterPlane::split(*domain, edges);
@@ -84,7 +89,7 @@ class PieceTrimmer {
       seeds_.clear();
       for (const TopoDS_Face& part : *parts)
         if (alive(part)) kept.push_back(part);
-      if (seeds_.empty() || onGrid) break;
+      if (seeds_.empty()) break;
     }
     whole = lines.empty() && !cutAtBox;
     for (const TopoDS_Face& part : kept) {

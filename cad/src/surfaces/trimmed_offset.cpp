@@ -14,7 +14,6 @@
 
 #include "exchange/guard.h"
 #include "surfaces/offset_geom.h"
-#include "surfaces/piece_trim.h"
 #include "tessellate/face_surface.h"
 
 namespace phront::cad {
@@ -74,8 +73,8 @@ std::optional<double> sideOf(const TopoDS_Face& face, const Geom_Surface& surfac
   return std::nullopt;
 }
 
-Result<TrimmedOffset> offsetFaceOrFail(const TopoDS_Face& face, bool solid, double distance,
-                                       double tolerance, const TrueDistance& phi) {
+Result<TrimmedOffset> offsetFaceOrFail(const TopoDS_Face& face, const TrimRequest& request,
+                                       const TrueDistance& phi) {
   TrimmedOffset result;
   FaceOffset& report = result.report;
   const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
@@ -85,10 +84,11 @@ Result<TrimmedOffset> offsetFaceOrFail(const TopoDS_Face& face, bool solid, doub
   const ParameterBox box = boxOf(face, *surface);
   const std::optional<double> side = sideOf(face, *surface, box);
   if (!side) return fail(ErrorCode::Failed, "the face has no normal");
-  const Result<std::vector<OffsetPiece>> pieces = offsetGeom(surface, box,
-                                                             {.distance = *side * distance,
-                                                              .tolerance = kFitShare * tolerance,
-                                                              .knots = KnotRule::Fewest});
+  const Result<std::vector<OffsetPiece>> pieces =
+      offsetGeom(surface, box,
+                 {.distance = *side * request.distance,
+                  .tolerance = kFitShare * request.tolerance,
+                  .knots = KnotRule::Fewest});
   if (!pieces) return tl::unexpected(pieces.error());
   bool exact = true;
   report.whole = !pieces->empty();
@@ -99,8 +99,7 @@ Result<TrimmedOffset> offsetFaceOrFail(const TopoDS_Face& face, bool solid, doub
     const bool cutAtBox = pieces->size() > 1 || piece.box.u.low > box.u.low ||
                           piece.box.u.high < box.u.high || piece.box.v.low > box.v.low ||
                           piece.box.v.high < box.v.high;
-    const Result<TrimmedPiece> trimmed =
-        trimPiece(face, piece, cutAtBox, {solid, distance, tolerance}, phi);
+    const Result<TrimmedPiece> trimmed = trimPiece(face, piece, cutAtBox, request, phi);
     if (!trimmed) return tl::unexpected(trimmed.error());
     report.whole = report.whole && trimmed->whole;
     report.deviation = std::max(report.deviation, trimmed->deviation);
@@ -118,10 +117,10 @@ Result<TrimmedOffset> offsetFaceOrFail(const TopoDS_Face& face, bool solid, doub
 
 }  // namespace
 
-TrimmedOffset offsetTrimmedFace(const TopoDS_Face& face, bool solid, double distance,
-                                double tolerance, const TrueDistance& phi) {
-  Result<TrimmedOffset> result = guardOcct(
-      "offsetting a face", [&] { return offsetFaceOrFail(face, solid, distance, tolerance, phi); });
+TrimmedOffset offsetTrimmedFace(const TopoDS_Face& face, const TrimRequest& request,
+                                const TrueDistance& phi) {
+  Result<TrimmedOffset> result =
+      guardOcct("offsetting a face", [&] { return offsetFaceOrFail(face, request, phi); });
   if (result) return std::move(*result);
   TrimmedOffset failed;
   failed.report.trouble = result.error().message;

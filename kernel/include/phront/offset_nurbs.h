@@ -18,10 +18,10 @@ struct NurbsOffsetOptions {
   double distance = 0;   ///< along the normal, model units; either sign
   double tolerance = 0;  ///< > 0: most that the offset may be away from P + d n, model units
   KnotRule knots = KnotRule::Original;
-  /// Of surfaces: the tolerance also bounds |S_d - d n_d - S|, the way back along the offset's own
-  /// normals n_d (where it is not about to fold), so that an offset by -d to the same tolerance
-  /// ends within twice the tolerance of the original. Takes more poles: about twice as many on
-  /// smooth surfaces, far more where normals ripple.
+  /// The tolerance also bounds |S_d - d n_d - S|, the way back along the offset's own normals n_d
+  /// (where it is not about to fold), so that an offset by -d to the same tolerance ends within
+  /// twice the tolerance of the original. Of curves n_d is what of n is normal to the offset. Takes
+  /// more poles: about twice as many on smooth surfaces, far more where normals ripple.
   bool reversible = false;
   int maxPoles = 40'000;
 };
@@ -34,7 +34,9 @@ enum class PoleRule {
 
 struct CurveOffset {
   NurbsCurve curve;
-  double error = 0;  ///< largest |C_d(t) - (C + d n)(t)| found, at most the tolerance
+  /// Largest |C_d(t) - (C + d n)(t)| found, if reversible also |C_d - d n_d - C|: at most the
+  /// tolerance.
+  double error = 0;
   PoleRule rule = PoleRule::Fitted;
 };
 
@@ -78,7 +80,7 @@ struct EdgeStrips {
 [[nodiscard]] EdgeStrips edgeStrips(const NurbsSurface& surface, const NurbsOffsetOptions& options);
 
 /// Any curve as a spline with its parameter: `knots` say degree, domain and where it is less
-/// smooth. distance is not used; fails as offsetNurbs does.
+/// smooth. distance and reversible are not used; fails as offsetNurbs does.
 [[nodiscard]] Result<CurveOffset> fitCurve(const std::function<Vec3(double t)>& point,
                                            const Knots& knots, const NurbsOffsetOptions& options);
 

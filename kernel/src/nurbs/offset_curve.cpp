@@ -28,6 +28,9 @@ struct WeightedPoint {
 };
 using WeightedCurve = std::function<WeightedPoint(double)>;
 
+/// Error of the way back from a point of the offset, if that is to be bounded too.
+using WayBack = std::function<double(double t, const CurvePoint& offset)>;
+
 CurveBundle bundleOf(const WeightedCurve& curve, int stride) {
   const auto at = [curve, stride](std::span<const double> parameters) {
     Rows rows(static_cast<Eigen::Index>(parameters.size()), stride);
@@ -57,8 +60,9 @@ NurbsCurve curveOf(const Knots& knots, const Rows& poles) {
 class CurveFit {
  public:
   CurveFit(const WeightedCurve& target, int stride, const Knots& original,
-           const NurbsOffsetOptions& options)
+           const NurbsOffsetOptions& options, WayBack wayBack = {})
       : target_(target),
+        wayBack_(std::move(wayBack)),
         bundle_(bundleOf(target, stride)),
         original_(original),
         options_(options),
@@ -106,7 +110,9 @@ class CurveFit {
 
   [[nodiscard]] double largestError(const NurbsCurve& curve) const {
     const auto error = [&](double t) {
-      return (evaluate(curve, t).position - target_(t).position).norm();
+      const CurvePoint p = evaluate(curve, t);
+      const double there = (p.position - target_(t).position).norm();
+      return wayBack_ ? std::max(there, wayBack_(t, p)) : there;
     };
     const std::vector<double> samples = densely(curve.knots, 2 * curve.knots.degree + 2);
     double most = 0;
@@ -119,6 +125,7 @@ class CurveFit {
   }
 
   const WeightedCurve& target_;
+  WayBack wayBack_;
   CurveBundle bundle_;
   const Knots& original_;
   const NurbsOffsetOptions& options_;
@@ -134,11 +141,12 @@ double exactness(const WeightedCurve& target, const Knots& original,
 
 /// Of `best` and, if they may, other knots. An exact offset is left for an exact one only.
 Result<CurveOffset> fewestOf(std::optional<CurveOffset> best, const WeightedCurve& target,
-                             int stride, const Knots& original, NurbsOffsetOptions options) {
+                             int stride, const Knots& original, NurbsOffsetOptions options,
+                             const WayBack& wayBack = {}) {
   const double exact = exactness(target, original, options);
   if (options.knots == KnotRule::Fewest) {
     if (best && best->error <= exact) options.tolerance = std::min(options.tolerance, exact);
-    const CurveFit fit(target, stride, original, options);
+    const CurveFit fit(target, stride, original, options, wayBack);
     for (const int degree : degreesFor(original.degree)) {
       const std::size_t most =
           best ? kPrunable * best->curve.poles.size() : static_cast<std::size_t>(options.maxPoles);
@@ -198,6 +206,18 @@ Result<CurveOffset> offsetNurbs(const NurbsCurve& curve, const CurveNormal& norm
         return WeightedPoint{p.position, p.weight};
       },
       stride);
+  WayBack wayBack;
+  if (options.reversible) {
+    wayBack = [&](double t, const CurvePoint& offset) {
+      const CurvePoint from = evaluate(curve, t);
+      // Beyond the radius of curvature there is no way back.
+      if (offset.tangent.dot(from.tangent) < kFarFromFold * from.tangent.squaredNorm()) return 0.0;
+      const Vec3 along = offset.tangent.normalized();
+      const Vec3 n = normal(t);
+      const Vec3 across = (n - n.dot(along) * along).normalized();
+      return (offset.position - options.distance * across - from.position).norm();
+    };
+  }
   const PolesOf move = [&](const Knots& knots) {
     Rows poles = fittedPoles(original, knots);
     const std::vector<double> parameters = knots.greville();
@@ -207,7 +227,7 @@ Result<CurveOffset> offsetNurbs(const NurbsCurve& curve, const CurveNormal& norm
     }
     return poles;
   };
-  const CurveFit fit(moved, stride, curve.knots, options);
+  const CurveFit fit(moved, stride, curve.knots, options, wayBack);
   std::optional<CurveOffset> best = fit.refined();
   const std::size_t most =
       best ? best->curve.poles.size() : static_cast<std::size_t>(options.maxPoles);
@@ -215,7 +235,7 @@ Result<CurveOffset> offsetNurbs(const NurbsCurve& curve, const CurveNormal& norm
   // The simpler rule wins when both are exact.
   keepBetter(simpler, std::move(best), exactness(moved, curve.knots, options));
   best = std::move(simpler);
-  return fewestOf(std::move(best), moved, stride, curve.knots, options);
+  return fewestOf(std::move(best), moved, stride, curve.knots, options, wayBack);
 }
 
 Result<CurveOffset> fitCurve(const std::function<Vec3(double t)>& point, const Knots& knots,

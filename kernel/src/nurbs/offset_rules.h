@@ -15,6 +15,8 @@ inline constexpr int kMostTightenings = 20;
 inline constexpr double kExact = 1e-11;      // of the size and |d|: nothing to be gained beyond
 inline constexpr std::size_t kPrunable = 4;  // times the fewest poles: no use to begin with more
 inline constexpr int kClimbs = 40;           // steps to a largest error
+/// 1 + d k, of a surface the product of both: below, no way back along normals is asked for.
+inline constexpr double kFarFromFold = 0.25;
 
 [[nodiscard]] Result<void> checkOptions(const NurbsOffsetOptions& options);
 [[nodiscard]] tl::unexpected<Error> tooManyPoles(const NurbsOffsetOptions& options);

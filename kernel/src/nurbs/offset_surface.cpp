@@ -16,8 +16,7 @@ namespace phront {
 namespace {
 
 constexpr std::size_t kMostLines = 24;  // sampled across a surface
-constexpr double kFarFromFold = 0.25;   // (1 + d k1)(1 + d k2): below, normals are left alone
-constexpr double kFarFromPole = 1e-3;   // |S_u x S_v| of the typical: below, likewise
+constexpr double kFarFromPole = 1e-3;   // |S_u x S_v| of the typical: below, normals are left alone
 constexpr double kTightest = 0.6;       // of the tolerance, in one round
 constexpr double kBySum = 2.5;          // times the tolerance: errors of u and v may add up to it
 constexpr int kPerOriginalSpan = 2;     // samples inside each span of the original

@@ -1,0 +1,24 @@
+// The last resort for sheets: the trimmed offsets of the faces, one by one.
+#pragma once
+
+#include "deadline.h"
+#include "phront/cad/offset_shape.h"
+#include "tessellate/true_distance.h"
+
+namespace phront::cad {
+
+struct SheetAttempt {
+  std::vector<Body> bodies;  ///< none when a face failed
+  int exactFaces = 0;
+  int fittedFaces = 0;
+  CheckResult check;
+};
+
+/// Offsets each face of `healed`, which `phi` measures, cuts it back to the front, and sews what
+/// then meets. Convex edges get no rounds. Judged against `body`, as read. Fails with Cancelled.
+[[nodiscard]] Result<SheetAttempt> sheetOfFaces(const Body& body, const Body& healed,
+                                                const OffsetOptions& options,
+                                                const TrueDistance& phi, const Deadline& deadline,
+                                                const Progress& progress);
+
+}  // namespace phront::cad
