@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -13,6 +14,7 @@
 #include "patches/patch_tools.h"
 #include "patches/raw_complex.h"
 #include "rebuild/assemble.h"
+#include "rebuild/front_cuts.h"
 #include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
 #include "rebuild/select.h"
@@ -27,6 +29,43 @@ constexpr double kApproximation = 1e-6;
 /// Of |d|: pieces this near to the level are live if the rest needs them; the check allows ten
 /// times as much.
 constexpr double kDoubt = 5e-3;
+
+/// Of |d|: how well lines that phi shows are met from both sides, as General Fuse's fuzzy value and
+/// for sewing.
+constexpr std::array kCutFuzzy{0.0, 1e-3};
+constexpr double kCutSewing = 2e-3;
+
+struct CutPieces {
+  std::vector<JudgedFace> pieces;
+  std::string note;
+};
+
+/// The pieces cut where phi shows that they leave the offset, unless that opens edges.
+template <class JudgedOf>
+std::optional<CutPieces> cutByFront(const std::vector<TopoDS_Face>& split,
+                                    const std::vector<JudgedFace>& judged, double fuzzy,
+                                    const JudgedOf& judgedOf, double distance, double noise,
+                                    const TrueDistance& phi) {
+  const std::size_t open = openEdges(judged).size();
+  const std::vector<TopoDS_Edge> cuts = frontCuts(judged, true, distance, noise, phi);
+  if (cuts.empty()) return std::nullopt;
+  const auto never = [](std::size_t, std::size_t) { return false; };
+  std::optional<CutPieces> best;
+  std::size_t left = 0;
+  for (const double share : kCutFuzzy) {
+    const Result<std::vector<TopoDS_Face>> again =
+        splitFaces(split, std::max(fuzzy, share * std::abs(distance)), never, cuts);
+    if (!again) continue;
+    std::vector<JudgedFace> pieces = judgedOf(*again);
+    const std::size_t now = openEdges(pieces).size();
+    if (best ? now >= left : now > open) continue;
+    left = now;
+    best = CutPieces{std::move(pieces),
+                     fmt::format("{} cuts by phi: {} open edges, then {}", cuts.size(), open, now)};
+    if (now == 0) break;
+  }
+  return best;
+}
 
 }  // namespace
 
@@ -68,10 +107,23 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   if (!split) return tl::unexpected<Error>(split.error());
   result.splitFaces = static_cast<int>(split->size());
 
-  std::vector<JudgedFace> judged = judgeFaces(*split, solid, distance, levelTolerance, phi);
+  const auto judgedOf = [&](const std::vector<TopoDS_Face>& pieces) {
+    std::vector<JudgedFace> judged = judgeFaces(pieces, solid, distance, levelTolerance, phi);
+    if (solid) {
+      const int turned = settleDoubtful(judged, kDoubt * std::abs(distance));
+      if (turned > 0) result.notes.push_back(fmt::format("{} doubtful pieces settled", turned));
+    }
+    return judged;
+  };
+  std::vector<JudgedFace> judged = judgedOf(*split);
+  double sewTolerance = setting.sewTolerance * diagonal;
   if (solid) {
-    const int turned = settleDoubtful(judged, kDoubt * std::abs(distance));
-    if (turned > 0) result.notes.push_back(fmt::format("{} doubtful pieces settled", turned));
+    if (std::optional<CutPieces> cut = cutByFront(*split, judged, setting.fuzzy * diagonal,
+                                                  judgedOf, distance, levelTolerance, phi)) {
+      result.notes.push_back(std::move(cut->note));
+      judged = std::move(cut->pieces);
+      sewTolerance = std::max(sewTolerance, kCutSewing * std::abs(distance));
+    }
   }
   result.keptFaces = static_cast<int>(
       std::count_if(judged.begin(), judged.end(), [](const JudgedFace& j) { return j.live; }));
@@ -81,7 +133,7 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   }
 
   const AssembleOptions options{
-      .distance = distance, .diagonal = diagonal, .sewTolerance = setting.sewTolerance * diagonal};
+      .distance = distance, .diagonal = diagonal, .sewTolerance = sewTolerance};
   Assembly assembly =
       solid ? assembleSolids(judged, options, phi) : assembleSheet(judged, options, phi);
   result.openEdges = assembly.openEdges;

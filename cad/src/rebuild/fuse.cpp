@@ -35,13 +35,19 @@ namespace {
 /// Answers for edges by the faces that use them.
 class PairFilter {
  public:
-  PairFilter(const std::vector<TopoDS_Face>& faces, const MayCross& mayCross)
-      : mayCross_(mayCross), faces_(faces) {}
+  PairFilter(const std::vector<TopoDS_Face>& faces, const std::vector<TopoDS_Edge>& lines,
+             const MayCross& mayCross)
+      : mayCross_(mayCross), faces_(faces), lines_(lines) {}
 
   void index(const BOPDS_DS& ds) {
     TopTools_IndexedMapOfShape known;
     for (const TopoDS_Face& face : faces_) known.Add(face);
     owners_.resize(static_cast<std::size_t>(ds.NbSourceShapes()));
+    for (std::size_t k = 0; k < lines_.size(); ++k) {
+      const int e = ds.Index(lines_[k]);
+      if (e >= 0)
+        owners_[static_cast<std::size_t>(e)].push_back(static_cast<int>(faces_.size() + k));
+    }
     for (int i = 0; i < ds.NbSourceShapes(); ++i) {
       if (ds.Shape(i).ShapeType() != TopAbs_FACE) continue;
       const int patch = known.FindIndex(ds.Shape(i)) - 1;
@@ -57,13 +63,17 @@ class PairFilter {
   bool wanted(int first, int second) {
     for (const int a : owners_[static_cast<std::size_t>(first)]) {
       for (const int b : owners_[static_cast<std::size_t>(second)]) {
-        if (a == b || a < 0 || b < 0 || cross(std::min(a, b), std::max(a, b))) return true;
+        if (a == b || a < 0 || b < 0 || isLine(a) || isLine(b) ||
+            cross(std::min(a, b), std::max(a, b)))
+          return true;
       }
     }
     return false;
   }
 
  private:
+  [[nodiscard]] bool isLine(int owner) const { return owner >= static_cast<int>(faces_.size()); }
+
   bool cross(int a, int b) {
     const auto [it, isNew] = answers_.try_emplace({a, b}, false);
     if (isNew) it->second = mayCross_(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
@@ -72,7 +82,8 @@ class PairFilter {
 
   const MayCross& mayCross_;
   const std::vector<TopoDS_Face>& faces_;
-  std::vector<std::vector<int>> owners_;  ///< patches that are or use a shape, by index in the DS
+  const std::vector<TopoDS_Edge>& lines_;
+  std::vector<std::vector<int>> owners_;  ///< patches (then lines) that are or use a shape
   std::map<std::pair<int, int>, bool> answers_;
 };
 
@@ -164,13 +175,15 @@ void completeParameterCurves(BOPDS_DS& ds) {
 }  // namespace
 
 Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces, double fuzzy,
-                                            const MayCross& mayCross) {
-  if (faces.size() < 2) return faces;
+                                            const MayCross& mayCross,
+                                            const std::vector<TopoDS_Edge>& lines) {
+  if (faces.size() + lines.size() < 2) return faces;
   TopTools_ListOfShape arguments;
   for (const TopoDS_Face& face : faces) arguments.Append(face);
+  for (const TopoDS_Edge& line : lines) arguments.Append(line);
 
   const MayCross always = [](std::size_t, std::size_t) { return true; };
-  PairFilter filter(faces, mayCross ? mayCross : always);
+  PairFilter filter(faces, lines, mayCross ? mayCross : always);
   ThinnedFiller filler(filter);
   filler.SetArguments(arguments);
   filler.SetNonDestructive(Standard_True);

@@ -1,6 +1,7 @@
 // General Fuse of the raw complex.
 #pragma once
 
+#include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <functional>
 #include <vector>
@@ -13,9 +14,9 @@ namespace phront::cad {
 using MayCross = std::function<bool(std::size_t, std::size_t)>;
 
 /// Splits the faces where they cross. `fuzzy` mm, added to the tolerances; 0: none. `mayCross`
-/// empty: every pair whose boxes meet is intersected.
-[[nodiscard]] Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces,
-                                                          double fuzzy,
-                                                          const MayCross& mayCross = {});
+/// empty: every pair whose boxes meet is intersected. `lines` lie on faces and cut them, too.
+[[nodiscard]] Result<std::vector<TopoDS_Face>> splitFaces(
+    const std::vector<TopoDS_Face>& faces, double fuzzy, const MayCross& mayCross = {},
+    const std::vector<TopoDS_Edge>& lines = {});
 
 }  // namespace phront::cad

@@ -14,6 +14,7 @@
 #include <Geom2d_Line.hxx>
 #include <IntTools_Context.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -150,6 +151,24 @@ int settleDoubtful(std::vector<JudgedFace>& faces, double doubt) {
     faces[best].live = !faces[best].live;
     ++turned;
   }
+}
+
+std::vector<TopoDS_Edge> openEdges(const std::vector<JudgedFace>& faces) {
+  TopTools_IndexedMapOfShape edges;
+  std::vector<int> uses;
+  for (const JudgedFace& j : faces) {
+    if (!j.live) continue;
+    for (const TopoDS_Edge& edge : edgesOf(j.face)) {
+      if (BRep_Tool::Degenerated(edge)) continue;
+      const auto index = static_cast<std::size_t>(edges.Add(edge));
+      if (uses.size() < index) uses.push_back(0);
+      ++uses[index - 1];
+    }
+  }
+  std::vector<TopoDS_Edge> open;
+  for (std::size_t i = 0; i < uses.size(); ++i)
+    if (uses[i] != 2) open.push_back(TopoDS::Edge(edges(static_cast<int>(i) + 1)));
+  return open;
 }
 
 bool facesOutward(const FaceSample& sample, const gp_Vec& normal, double step,

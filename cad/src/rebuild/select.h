@@ -1,6 +1,7 @@
 // phi decides: which patches and which of their pieces lie on the offset.
 #pragma once
 
+#include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <gp_Pnt.hxx>
 #include <gp_Vec.hxx>
@@ -37,6 +38,9 @@ struct JudgedFace {
 /// one by one as long as that leaves fewer edges open. Live pieces are only taken away where three
 /// meet at an edge. Returns how many it turned.
 int settleDoubtful(std::vector<JudgedFace>& faces, double doubt);
+
+/// Edges that live pieces use otherwise than twice; degenerated ones aside.
+[[nodiscard]] std::vector<TopoDS_Edge> openEdges(const std::vector<JudgedFace>& faces);
 
 /// True when the 1-Lipschitz bound proves that no point of the patch is within `tolerance` of the
 /// level d. Never true for a patch with a live point.

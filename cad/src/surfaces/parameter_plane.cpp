@@ -17,6 +17,7 @@
 #include <TColgp_HArray1OfPnt.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopTools_DataMapOfShapeShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
@@ -83,6 +84,25 @@ Handle(Geom2d_Curve)
   const gp_Pnt2d a = spline->Pole(1);
   const gp_Pnt2d b = spline->Pole(2);
   return straightPcurve(a, b, spline->FirstParameter(), spline->LastParameter());
+}
+
+/// On the surface, without a curve in space.
+TopoDS_Edge lifted(const TopoDS_Edge& flat, const Handle(Geom_Surface) & surface,
+                   const TopoDS_Vertex& from, const TopoDS_Vertex& to, const Vec2& scale) {
+  double first = 0;
+  double last = 0;
+  const Handle(Geom_Curve) curve = BRep_Tool::Curve(flat, first, last);
+  const BRep_Builder builder;
+  const TopLoc_Location nowhere;
+  TopoDS_Edge edge;
+  builder.MakeEdge(edge);
+  builder.Add(edge, from.Oriented(TopAbs_FORWARD));
+  builder.Add(edge, to.Oriented(TopAbs_REVERSED));
+  builder.UpdateEdge(edge, unscaled(curve, first, last, scale), surface, nowhere,
+                     Precision::Confusion());
+  builder.Range(edge, surface, nowhere, first, last);
+  builder.Range(edge, first, last);
+  return edge;
 }
 
 /// A loop's edge in the plane, in the direction of the loop.
@@ -325,23 +345,14 @@ Result<TopoDS_Face> ParameterPlane::onSurface(const TopoDS_Face& domain,
                           Precision::Confusion());
   }
   std::vector<TopoDS_Edge> edges(static_cast<std::size_t>(flatEdges.Extent()) + 1);
-  const TopLoc_Location nowhere;
   for (int e = 1; e <= flatEdges.Extent(); ++e) {
     const TopoDS_Edge flat = TopoDS::Edge(flatEdges(e).Oriented(TopAbs_FORWARD));
-    double first = 0;
-    double last = 0;
-    const Handle(Geom_Curve) curve = BRep_Tool::Curve(flat, first, last);
-    TopoDS_Edge& edge = edges[static_cast<std::size_t>(e)];
-    builder.MakeEdge(edge);
     const auto vertexOf = [&](const TopoDS_Vertex& v) {
       return vertices[static_cast<std::size_t>(flatVertices.FindIndex(v))];
     };
-    builder.Add(edge, vertexOf(TopExp::FirstVertex(flat)).Oriented(TopAbs_FORWARD));
-    builder.Add(edge, vertexOf(TopExp::LastVertex(flat)).Oriented(TopAbs_REVERSED));
-    const Handle(Geom2d_Curve) pcurve = unscaled(curve, first, last, scale_);
-    builder.UpdateEdge(edge, pcurve, surface, nowhere, Precision::Confusion());
-    builder.Range(edge, surface, nowhere, first, last);
-    builder.Range(edge, first, last);
+    TopoDS_Edge& edge = edges[static_cast<std::size_t>(e)];
+    edge = lifted(flat, surface, vertexOf(TopExp::FirstVertex(flat)),
+                  vertexOf(TopExp::LastVertex(flat)), scale_);
     if (isPoint[static_cast<std::size_t>(e)]) builder.Degenerated(edge, Standard_True);
   }
   TopoDS_Face face;
@@ -364,6 +375,28 @@ Result<TopoDS_Face> ParameterPlane::onSurface(const TopoDS_Face& domain,
   }
   settleTolerances({face});
   return face;
+}
+
+std::vector<TopoDS_Edge> ParameterPlane::onSurface(const std::vector<TopoDS_Edge>& flatEdges,
+                                                   const Handle(Geom_Surface) & surface,
+                                                   double tolerance) const {
+  TopTools_DataMapOfShapeShape vertices;
+  const auto vertexOf = [&](const TopoDS_Vertex& flat) {
+    if (!vertices.IsBound(flat)) {
+      const gp_Pnt p = BRep_Tool::Pnt(flat);
+      const Vec2 uv = fromPlane({p.X(), p.Y()});
+      vertices.Bind(flat, makeVertex(surface->Value(uv[0], uv[1]), tolerance));
+    }
+    return TopoDS::Vertex(vertices.Find(flat));
+  };
+  std::vector<TopoDS_Edge> edges;
+  for (const TopoDS_Edge& any : flatEdges) {
+    const TopoDS_Edge flat = TopoDS::Edge(any.Oriented(TopAbs_FORWARD));
+    const TopoDS_Edge edge = lifted(flat, surface, vertexOf(TopExp::FirstVertex(flat)),
+                                    vertexOf(TopExp::LastVertex(flat)), scale_);
+    if (BRepLib::BuildCurve3d(edge, tolerance, GeomAbs_C1)) edges.push_back(edge);
+  }
+  return edges;
 }
 
 }  // namespace phront::cad

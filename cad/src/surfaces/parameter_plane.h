@@ -38,6 +38,12 @@ class ParameterPlane {
                                               const Handle(Geom_Surface) & surface,
                                               double tolerance) const;
 
+  /// Edges on a surface, with curves in space to within `tolerance`; those that get none are left
+  /// out.
+  [[nodiscard]] std::vector<TopoDS_Edge> onSurface(const std::vector<TopoDS_Edge>& flatEdges,
+                                                   const Handle(Geom_Surface) & surface,
+                                                   double tolerance) const;
+
  private:
   Vec2 scale_;
 };

@@ -5,15 +5,10 @@
 #include <vector>
 
 #include "surfaces/offset_geom.h"
+#include "surfaces/piece_front.h"
 #include "tessellate/true_distance.h"
 
 namespace phront::cad {
-
-struct TrimRequest {
-  bool solid = true;     ///< phi has a sign
-  double distance = 0;   ///< d, mm, along the outward normals
-  double tolerance = 0;  ///< mm: where the offset is nearer than |d| by more it is cut off
-};
 
 struct TrimmedPiece {
   std::vector<TopoDS_Face> faces;  ///< on the piece's surface, FORWARD

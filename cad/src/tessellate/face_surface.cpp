@@ -54,6 +54,43 @@ SurfaceType typeOf(GeomAbs_SurfaceType type) {
   }
 }
 
+// ElSLib picks one side of the axis: for a cone by which nappe a point is level with, though beyond
+// the apex the foot may well be on the first; for a torus that crosses its axis always the point's
+// own. The foot wanted is that next to `near`.
+
+void coneParameters(const gp_Cone& cone, const gp_Pnt& p, const gp_Pnt& near, double& u,
+                    double& v) {
+  ElSLib::Parameters(cone, p, u, v);
+  const double across = u + std::numbers::pi;
+  // Along the generator on the other side.
+  gp_Pnt from;
+  gp_Vec du;
+  gp_Vec dv;
+  ElSLib::D1(across, 0, cone, from, du, dv);
+  const double vAcross = gp_Vec(from, p).Dot(dv);
+  if (ElSLib::Value(across, vAcross, cone).SquareDistance(near) <
+      ElSLib::Value(u, v, cone).SquareDistance(near)) {
+    u = across;
+    v = vAcross;
+  }
+}
+
+void torusParameters(const gp_Torus& torus, const gp_Pnt& p, const gp_Pnt& near, double& u,
+                     double& v) {
+  ElSLib::Parameters(torus, p, u, v);
+  if (torus.MajorRadius() > torus.MinorRadius()) return;
+  const gp_Vec arm(torus.Location(), p);
+  const double along = arm.Dot(gp_Vec(torus.Axis().Direction()));
+  const double away = std::sqrt(std::max(0.0, arm.SquareMagnitude() - along * along));
+  const double across = u + std::numbers::pi;
+  const double vAcross = std::atan2(along, -away - torus.MajorRadius());
+  if (ElSLib::Value(across, vAcross, torus).SquareDistance(near) <
+      ElSLib::Value(u, v, torus).SquareDistance(near)) {
+    u = across;
+    v = vAcross;
+  }
+}
+
 }  // namespace
 
 FaceSurface::FaceSurface(const TopoDS_Face& face) : adaptor_(face, Standard_False) {
@@ -116,13 +153,13 @@ SurfaceFoot FaceSurface::foot(const Vec3& x, double tolerance, Eigen::Vector2d s
       ElSLib::Parameters(adaptor_.Cylinder(), p, u, v);
       break;
     case SurfaceType::Cone:
-      ElSLib::Parameters(adaptor_.Cone(), p, u, v);
+      coneParameters(adaptor_.Cone(), p, adaptor_.Value(start.x(), start.y()), u, v);
       break;
     case SurfaceType::Sphere:
       ElSLib::Parameters(adaptor_.Sphere(), p, u, v);
       break;
     default:
-      ElSLib::Parameters(adaptor_.Torus(), p, u, v);
+      torusParameters(adaptor_.Torus(), p, adaptor_.Value(start.x(), start.y()), u, v);
       break;
   }
   // The parameters come in the principal period; bring them next to the start.
