@@ -29,6 +29,7 @@
 #include <functional>
 
 #include "patches/patch_tools.h"
+#include "rebuild/facet_gaps.h"
 #include "rebuild/fill_gaps.h"
 
 namespace phront::cad {
@@ -44,6 +45,8 @@ constexpr double kUnusedArea = 5e-3;
 /// How well a fitted patch meets its edges, of |d|, and how far it is sewn, in parts of that.
 constexpr double kPatchTolerance = 1e-4;
 constexpr double kPatchSewing = 3;
+/// How far facets in gaps may be off the level, of |d|: they cover little of the area.
+constexpr double kFacetTolerance = 0.02;
 /// Solids thinner than this share of the diagonal (volume over area) have no volume.
 constexpr double kNoVolume = 1e-7;
 
@@ -209,6 +212,20 @@ class Assembler {
     return result;
   }
 
+  Assembly fromFacetedPieces() {
+    std::vector<TopoDS_Face> faces;
+    for (const TopoDS_Shape& face : live_) faces.push_back(TopoDS::Face(face));
+    const std::optional<FacetedGaps> gaps =
+        facetGaps(faces, {options_.distance, kFacetTolerance * std::abs(options_.distance)}, phi_);
+    if (!gaps) return {};
+    const std::vector<TopoDS_Shape> all(gaps->faces.begin(), gaps->faces.end());
+    liveArea_ = 0;  // of what is left
+    for (const TopoDS_Shape& face : all) liveArea_ += areaOf(face);
+    Assembly result = finish(cellsOf(all), "pieces and facets");
+    result.facetedFaces = gaps->facets;
+    return result;
+  }
+
   Assembly fromCells() {
     std::vector<TopoDS_Shape> all;
     for (const JudgedFace& j : faces_) all.push_back(j.face);
@@ -275,6 +292,15 @@ Assembly assembleSolids(const std::vector<JudgedFace>& faces, const AssembleOpti
     }
   }
   return best;
+}
+
+Assembly assembleWithFacets(const std::vector<JudgedFace>& faces, const AssembleOptions& options,
+                            const TrueDistance& phi) {
+  try {
+    return Assembler(faces, options, phi).fromFacetedPieces();
+  } catch (const Standard_Failure&) {
+    return {};
+  }
 }
 
 Assembly assembleSheet(const std::vector<JudgedFace>& faces, const AssembleOptions& options,

@@ -17,10 +17,11 @@ struct AssembleOptions {
 };
 
 struct Assembly {
-  TopoDS_Shape shape;   ///< null when no solid came out
-  int openEdges = 0;    ///< edges not used exactly twice in their shell
-  int fittedFaces = 0;  ///< patches that close gaps
-  std::string way;      ///< "pieces", "sewn pieces", "patched pieces", "cells"
+  TopoDS_Shape shape;    ///< null when no solid came out
+  int openEdges = 0;     ///< edges not used exactly twice in their shell
+  int fittedFaces = 0;   ///< patches that close gaps
+  int facetedFaces = 0;  ///< planar triangles that do
+  std::string way;  ///< "pieces", "sewn pieces", "patched pieces", "cells", "pieces and facets"
 };
 
 /// Solids bounded by the live pieces; tried in turn: the pieces as they are, sewn, with fitted
@@ -28,6 +29,11 @@ struct Assembly {
 /// first that closes wins, else the one with the fewest open edges.
 [[nodiscard]] Assembly assembleSolids(const std::vector<JudgedFace>& faces,
                                       const AssembleOptions& options, const TrueDistance& phi);
+
+/// The last way: pieces at fault and gaps give way to planar triangles. A null shape when that does
+/// not close.
+[[nodiscard]] Assembly assembleWithFacets(const std::vector<JudgedFace>& faces,
+                                          const AssembleOptions& options, const TrueDistance& phi);
 
 /// Live pieces sewn, facing along (d > 0) the normals of the input.
 [[nodiscard]] Assembly assembleSheet(const std::vector<JudgedFace>& faces,

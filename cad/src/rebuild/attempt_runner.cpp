@@ -49,10 +49,11 @@ struct Trial {
 
 // Bytes across the process border: 8 bytes of header length, JSON header, shape.
 std::string packAttempt(const AttemptResult& attempt) {
-  const nlohmann::json header = {{"raw", attempt.rawFaces},        {"split", attempt.splitFaces},
-                                 {"kept", attempt.keptFaces},      {"open", attempt.openEdges},
-                                 {"fitted", attempt.fittedFaces},  {"notes", attempt.notes},
-                                 {"empty", attempt.shape.IsNull()}};
+  const nlohmann::json header = {
+      {"raw", attempt.rawFaces},       {"split", attempt.splitFaces},
+      {"kept", attempt.keptFaces},     {"open", attempt.openEdges},
+      {"fitted", attempt.fittedFaces}, {"faceted", attempt.facetedFaces},
+      {"notes", attempt.notes},        {"empty", attempt.shape.IsNull()}};
   const std::string text = header.dump();
   std::string bytes = fmt::format("{:08d}", text.size()) + text;
   if (!attempt.shape.IsNull()) bytes += bytesOfShape(attempt.shape);
@@ -68,6 +69,7 @@ Result<AttemptResult> unpackAttempt(const std::string& bytes) {
   attempt.keptFaces = header["kept"];
   attempt.openEdges = header["open"];
   attempt.fittedFaces = header["fitted"];
+  attempt.facetedFaces = header["faceted"];
   attempt.notes = header["notes"].get<std::vector<std::string>>();
   if (!header["empty"].get<bool>()) {
     Result<TopoDS_Shape> shape = shapeOfBytes(std::string_view(bytes).substr(8 + headerSize));
@@ -103,9 +105,9 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
     say(attempt.error().message);
     return trial;
   }
-  const std::string counts =
-      fmt::format("{} raw faces, {} pieces, {} kept, {} fitted", attempt->rawFaces,
-                  attempt->splitFaces, attempt->keptFaces, attempt->fittedFaces);
+  const std::string counts = fmt::format("{} raw faces, {} pieces, {} kept, {} fitted, {} facets",
+                                         attempt->rawFaces, attempt->splitFaces, attempt->keptFaces,
+                                         attempt->fittedFaces, attempt->facetedFaces);
   if (attempt->shape.IsNull()) {
     say("nothing left; " + counts);
     return trial;
@@ -114,6 +116,7 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
   judged.bodies = bodiesOf(attempt->shape, body.kind, body.name);
   judged.setting = setting.name;
   judged.fittedFaces = attempt->fittedFaces;
+  judged.facetedFaces = attempt->facetedFaces;
   judged.check = checkBody(body, judged.bodies, options,
                            deadline.forStep(1, kLeastCheckSeconds, kCheckSeconds));
   CheckResult& check = judged.check;
@@ -161,7 +164,9 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
   const bool sheet = body.kind == BodyKind::Sheet;
   AttemptLog log;
   double leastWorth = kLeastAttempt;
-  for (std::size_t first = 0; first < settings.size() && !log.accepted; first += wave) {
+  // A result with facets is kept while others may do without.
+  const auto settled = [&] { return log.accepted && log.accepted->facetedFaces == 0; };
+  for (std::size_t first = 0; first < settings.size() && !settled(); first += wave) {
     const double left = deadline.left();
     if (left < leastWorth || !progress.report(static_cast<double>(first) / settings.size())) break;
     const std::size_t count = std::min(wave, settings.size() - first);
@@ -183,7 +188,8 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
       log.lines.push_back(trial.line);
       if (!trial.judged) continue;
       const CheckResult& check = trial.judged->check;
-      if (trial.accepted && !log.accepted)
+      const bool better = !log.accepted || trial.judged->facetedFaces < log.accepted->facetedFaces;
+      if (trial.accepted && better)
         log.accepted = std::move(trial.judged);
       else if (!trial.accepted && !log.rejected && check.valid && (check.closed || sheet))
         log.rejected = std::move(trial.judged);

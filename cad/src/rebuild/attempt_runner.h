@@ -17,6 +17,7 @@ struct JudgedAttempt {
   std::vector<Body> bodies;
   std::string setting;
   int fittedFaces = 0;
+  int facetedFaces = 0;
   CheckResult check;
 };
 
@@ -27,8 +28,8 @@ struct AttemptLog {
 };
 
 /// Tries the settings in order (two at a time when threads allow) until one result passes the check
-/// or the `deadline` is reached. With two at a
-/// time the earlier setting wins, so the choice does not depend on who finishes first. `healed` is
+/// without a facet, or the `deadline` is reached; fewer facets win. With two at a time the earlier
+/// setting wins, so the choice does not depend on who finishes first. `healed` is
 /// offset and `phi` is its distance; results are checked against `body`, as read.
 [[nodiscard]] AttemptLog runAttempts(const Body& body, const Body& healed,
                                      const OffsetOptions& options, const TrueDistance& phi,

@@ -213,7 +213,9 @@ class BodyOffsetter {
     report().setting = attempt.setting;
     report().check = std::move(attempt.check);
     report().fittedFaces = attempt.fittedFaces;
-    report().exactFaces = report().check.faces - report().fittedFaces;
+    report().facetedFaces = attempt.facetedFaces;
+    report().exactFaces = report().check.faces - report().fittedFaces - report().facetedFaces;
+    if (kind == OffsetKind::Exact && attempt.facetedFaces > 0) report().kind = OffsetKind::Faceted;
   }
 
   void useFacets(const TrueDistance& phi) {

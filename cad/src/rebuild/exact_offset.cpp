@@ -35,37 +35,11 @@ constexpr double kDoubt = 5e-3;
 constexpr std::array kCutFuzzy{0.0, 1e-3};
 constexpr double kCutSewing = 2e-3;
 
-struct CutPieces {
+/// Pieces to make the offset of, and how they are sewn if they have to be, mm.
+struct PieceSet {
   std::vector<JudgedFace> pieces;
-  std::string note;
+  double sewTolerance = 0;
 };
-
-/// The pieces cut where phi shows that they leave the offset, unless that opens edges.
-template <class JudgedOf>
-std::optional<CutPieces> cutByFront(const std::vector<TopoDS_Face>& split,
-                                    const std::vector<JudgedFace>& judged, double fuzzy,
-                                    const JudgedOf& judgedOf, double distance, double noise,
-                                    const TrueDistance& phi) {
-  const std::size_t open = openEdges(judged).size();
-  const std::vector<TopoDS_Edge> cuts = frontCuts(judged, true, distance, noise, phi);
-  if (cuts.empty()) return std::nullopt;
-  const auto never = [](std::size_t, std::size_t) { return false; };
-  std::optional<CutPieces> best;
-  std::size_t left = 0;
-  for (const double share : kCutFuzzy) {
-    const Result<std::vector<TopoDS_Face>> again =
-        splitFaces(split, std::max(fuzzy, share * std::abs(distance)), never, cuts);
-    if (!again) continue;
-    std::vector<JudgedFace> pieces = judgedOf(*again);
-    const std::size_t now = openEdges(pieces).size();
-    if (best ? now >= left : now > open) continue;
-    left = now;
-    best = CutPieces{std::move(pieces),
-                     fmt::format("{} cuts by phi: {} open edges, then {}", cuts.size(), open, now)};
-    if (now == 0) break;
-  }
-  return best;
-}
 
 }  // namespace
 
@@ -116,28 +90,55 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     return judged;
   };
   std::vector<JudgedFace> judged = judgedOf(*split);
-  double sewTolerance = setting.sewTolerance * diagonal;
+  std::vector<PieceSet> sets;
   if (solid) {
-    if (std::optional<CutPieces> cut = cutByFront(*split, judged, setting.fuzzy * diagonal,
-                                                  judgedOf, distance, levelTolerance, phi)) {
-      result.notes.push_back(std::move(cut->note));
-      judged = std::move(cut->pieces);
-      sewTolerance = std::max(sewTolerance, kCutSewing * std::abs(distance));
+    // Where phi shows that pieces leave the offset they are cut there.
+    const std::vector<TopoDS_Shape> cuts = frontCuts(judged, solid, distance, levelTolerance, phi);
+    for (const double share : kCutFuzzy) {
+      if (cuts.empty()) break;
+      const auto never = [](std::size_t, std::size_t) { return false; };
+      const double fuzzy = std::max(setting.fuzzy * diagonal, share * std::abs(distance));
+      const Result<std::vector<TopoDS_Face>> again = splitFaces(*split, fuzzy, never, cuts);
+      if (!again) continue;
+      sets.push_back({judgedOf(*again),
+                      std::max(setting.sewTolerance * diagonal, kCutSewing * std::abs(distance))});
+    }
+    if (!cuts.empty()) result.notes.push_back(fmt::format("{} cuts by phi", cuts.size()));
+  }
+  sets.push_back({std::move(judged), setting.sewTolerance * diagonal});
+
+  Assembly assembly;
+  for (const PieceSet& set : sets) {
+    const auto kept = std::count_if(set.pieces.begin(), set.pieces.end(),
+                                    [](const JudgedFace& j) { return j.live; });
+    if (kept == 0) continue;
+    const AssembleOptions options{
+        .distance = distance, .diagonal = diagonal, .sewTolerance = set.sewTolerance};
+    Assembly made =
+        solid ? assembleSolids(set.pieces, options, phi) : assembleSheet(set.pieces, options, phi);
+    const bool better =
+        assembly.shape.IsNull() || (!made.shape.IsNull() && made.openEdges < assembly.openEdges);
+    if (result.keptFaces == 0 || better) {
+      result.keptFaces = static_cast<int>(kept);
+      assembly = std::move(made);
+    }
+    if (!assembly.shape.IsNull() && assembly.openEdges == 0) break;
+  }
+  if (solid && result.keptFaces > 0 && (assembly.shape.IsNull() || assembly.openEdges > 0)) {
+    for (const PieceSet& set : sets) {
+      Assembly made = assembleWithFacets(set.pieces, {distance, diagonal, set.sewTolerance}, phi);
+      if (made.shape.IsNull() || made.openEdges > 0) continue;
+      assembly = std::move(made);
+      break;
     }
   }
-  result.keptFaces = static_cast<int>(
-      std::count_if(judged.begin(), judged.end(), [](const JudgedFace& j) { return j.live; }));
   if (result.keptFaces == 0) {
     result.notes.push_back("no piece of any patch lies on the offset");
     return result;
   }
-
-  const AssembleOptions options{
-      .distance = distance, .diagonal = diagonal, .sewTolerance = sewTolerance};
-  Assembly assembly =
-      solid ? assembleSolids(judged, options, phi) : assembleSheet(judged, options, phi);
   result.openEdges = assembly.openEdges;
   result.fittedFaces = assembly.fittedFaces;
+  result.facetedFaces = assembly.facetedFaces;
   result.shape = assembly.shape;
   if (result.shape.IsNull()) {
     return fail(ErrorCode::Failed,

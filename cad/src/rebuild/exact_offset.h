@@ -32,6 +32,7 @@ struct AttemptResult {
   int keptFaces = 0;
   int openEdges = 0;
   int fittedFaces = 0;             ///< patches that close gaps between the exact ones
+  int facetedFaces = 0;            ///< planar triangles that do
   std::vector<std::string> notes;  ///< healing done, faces given up: one sentence each
 };
 

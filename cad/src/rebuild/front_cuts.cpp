@@ -114,8 +114,8 @@ bool astray(const TopoDS_Face& piece, double distance, const TrueDistance& phi) 
 
 }  // namespace
 
-std::vector<TopoDS_Edge> frontCuts(const std::vector<JudgedFace>& pieces, bool solid,
-                                   double distance, double noise, const TrueDistance& phi) {
+std::vector<TopoDS_Shape> frontCuts(const std::vector<JudgedFace>& pieces, bool solid,
+                                    double distance, double noise, const TrueDistance& phi) {
   std::vector<Bnd_Box> open;
   for (const TopoDS_Edge& edge : openEdges(pieces)) {
     Bnd_Box box;
@@ -125,7 +125,7 @@ std::vector<TopoDS_Edge> frontCuts(const std::vector<JudgedFace>& pieces, bool s
   }
   const TrimRequest request{solid, distance,
                             std::max(kTolerance * std::abs(distance), kNoiseShare * noise)};
-  std::vector<TopoDS_Edge> cuts;
+  std::vector<TopoDS_Shape> cuts;
   for (const JudgedFace& piece : pieces) {
     Bnd_Box box;
     BRepBndLib::Add(piece.face, box, Standard_False);

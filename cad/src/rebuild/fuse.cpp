@@ -35,16 +35,16 @@ namespace {
 /// Answers for edges by the faces that use them.
 class PairFilter {
  public:
-  PairFilter(const std::vector<TopoDS_Face>& faces, const std::vector<TopoDS_Edge>& lines,
+  PairFilter(const std::vector<TopoDS_Face>& faces, const std::vector<TopoDS_Shape>& cutters,
              const MayCross& mayCross)
-      : mayCross_(mayCross), faces_(faces), lines_(lines) {}
+      : mayCross_(mayCross), faces_(faces), cutters_(cutters) {}
 
   void index(const BOPDS_DS& ds) {
     TopTools_IndexedMapOfShape known;
     for (const TopoDS_Face& face : faces_) known.Add(face);
     owners_.resize(static_cast<std::size_t>(ds.NbSourceShapes()));
-    for (std::size_t k = 0; k < lines_.size(); ++k) {
-      const int e = ds.Index(lines_[k]);
+    for (std::size_t k = 0; k < cutters_.size(); ++k) {
+      const int e = ds.Index(cutters_[k]);
       if (e >= 0)
         owners_[static_cast<std::size_t>(e)].push_back(static_cast<int>(faces_.size() + k));
     }
@@ -63,7 +63,7 @@ class PairFilter {
   bool wanted(int first, int second) {
     for (const int a : owners_[static_cast<std::size_t>(first)]) {
       for (const int b : owners_[static_cast<std::size_t>(second)]) {
-        if (a == b || a < 0 || b < 0 || isLine(a) || isLine(b) ||
+        if (a == b || a < 0 || b < 0 || isCutter(a) || isCutter(b) ||
             cross(std::min(a, b), std::max(a, b)))
           return true;
       }
@@ -72,7 +72,7 @@ class PairFilter {
   }
 
  private:
-  [[nodiscard]] bool isLine(int owner) const { return owner >= static_cast<int>(faces_.size()); }
+  [[nodiscard]] bool isCutter(int owner) const { return owner >= static_cast<int>(faces_.size()); }
 
   bool cross(int a, int b) {
     const auto [it, isNew] = answers_.try_emplace({a, b}, false);
@@ -82,8 +82,8 @@ class PairFilter {
 
   const MayCross& mayCross_;
   const std::vector<TopoDS_Face>& faces_;
-  const std::vector<TopoDS_Edge>& lines_;
-  std::vector<std::vector<int>> owners_;  ///< patches (then lines) that are or use a shape
+  const std::vector<TopoDS_Shape>& cutters_;
+  std::vector<std::vector<int>> owners_;  ///< patches (then cutters) that are or use a shape
   std::map<std::pair<int, int>, bool> answers_;
 };
 
@@ -176,14 +176,14 @@ void completeParameterCurves(BOPDS_DS& ds) {
 
 Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces, double fuzzy,
                                             const MayCross& mayCross,
-                                            const std::vector<TopoDS_Edge>& lines) {
-  if (faces.size() + lines.size() < 2) return faces;
+                                            const std::vector<TopoDS_Shape>& cutters) {
+  if (faces.size() + cutters.size() < 2) return faces;
   TopTools_ListOfShape arguments;
   for (const TopoDS_Face& face : faces) arguments.Append(face);
-  for (const TopoDS_Edge& line : lines) arguments.Append(line);
+  for (const TopoDS_Shape& cutter : cutters) arguments.Append(cutter);
 
   const MayCross always = [](std::size_t, std::size_t) { return true; };
-  PairFilter filter(faces, lines, mayCross ? mayCross : always);
+  PairFilter filter(faces, cutters, mayCross ? mayCross : always);
   ThinnedFiller filler(filter);
   filler.SetArguments(arguments);
   filler.SetNonDestructive(Standard_True);

@@ -194,7 +194,10 @@ std::vector<std::vector<Vec2>> smoothParts(const Contour& line, double chord) {
     parts.back().push_back(points[i]);
     if (corner && !last) parts.push_back({points[i]});
   }
-  if (parts.back().size() < 2) parts.pop_back();
+  if (parts.back().size() < 2 ||
+      (parts.back().size() == 2 &&
+       (parts.back()[1] - parts.back()[0]).norm() < Precision::Confusion()))
+    parts.pop_back();
   // A closed line is cut in two at least: edges end in different points.
   if (line.closed && parts.size() == 1 && parts.front().size() > 3) {
     const std::vector<Vec2> whole = parts.front();
@@ -255,6 +258,7 @@ std::vector<TopoDS_Edge> ParameterPlane::edgesAlong(const std::vector<Contour>& 
   for (const Contour& line : lines) {
     if (line.points.size() < 2) continue;
     const std::vector<std::vector<Vec2>> parts = smoothParts(line, chord);
+    if (parts.empty()) continue;
     std::vector<TopoDS_Vertex> ends;
     for (const std::vector<Vec2>& part : parts)
       ends.push_back(makeVertex(planePoint(part.front()), Precision::Confusion()));
