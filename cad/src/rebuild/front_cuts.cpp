@@ -6,11 +6,9 @@
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepTools.hxx>
-#include <BRepTopAdaptor_FClass2d.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
-#include <Precision.hxx>
 #include <Standard_Failure.hxx>
 #include <algorithm>
 #include <cmath>
@@ -24,6 +22,7 @@ constexpr double kTolerance = 8e-4;  // of |d|, of the lines; that they are on t
 constexpr double kNoiseShare = 2.5;  // the tolerance, of the noise of the pieces
 constexpr double kNear = 0.05;       // of |d|: pieces this near to an open edge are looked at
 constexpr int kSamples = 16;         // per direction
+constexpr double kPitch = 1;         // |d|, between points that are looked at first
 constexpr double kAstray = 0.01;     // of |d|
 constexpr double kMeshSlack = 4;     // times the deflection
 constexpr double kCurveShare = 0.2;  // of the chord: the curves in space
@@ -94,22 +93,13 @@ std::vector<TopoDS_Edge> cutsOf(const TopoDS_Face& piece, const TrimRequest& req
 /// Whether some point inside is clearly nearer to the shape than |d|, by triangles alone.
 bool astray(const TopoDS_Face& piece, double distance, const TrueDistance& phi) {
   const BRepAdaptor_Surface surface(piece, Standard_False);
-  const BRepTopAdaptor_FClass2d inside(piece, Precision::PConfusion());
-  ParameterBox box;
-  BRepTools::UVBounds(piece, box.u.low, box.u.high, box.v.low, box.v.high);
   const double least =
       (1 - kAstray) * std::abs(distance) - kMeshSlack * phi.tessellation().measuredDeflection;
-  for (int i = 0; i < kSamples; ++i) {
-    for (int j = 0; j < kSamples; ++j) {
-      const double u = box.u.low + (box.u.high - box.u.low) * (i + 0.5) / kSamples;
-      const double v = box.v.low + (box.v.high - box.v.low) * (j + 0.5) / kSamples;
-      const gp_Pnt p = surface.Value(u, v);
-      if (phi.surface().foot({p.X(), p.Y(), p.Z()}).distance < least &&
-          inside.Perform(gp_Pnt2d(u, v)) == TopAbs_IN)
-        return true;
-    }
-  }
-  return false;
+  const std::vector<gp_Pnt2d> grid = gridInside(piece, kPitch * std::abs(distance));
+  return std::any_of(grid.begin(), grid.end(), [&](const gp_Pnt2d& uv) {
+    const gp_Pnt p = surface.Value(uv.X(), uv.Y());
+    return phi.surface().foot({p.X(), p.Y(), p.Z()}).distance < least;
+  });
 }
 
 }  // namespace

@@ -10,9 +10,11 @@
 #include <BOPTools_AlgoTools3D.hxx>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepTools.hxx>
+#include <BRepTopAdaptor_FClass2d.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom2d_Line.hxx>
 #include <IntTools_Context.hxx>
+#include <Precision.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <algorithm>
@@ -25,6 +27,8 @@ namespace phront::cad {
 namespace {
 
 constexpr int kMaxSamples = 5;
+constexpr int kLeastGrid = 10;
+constexpr int kMostGrid = 48;
 /// Queries spent on proving one patch dead.
 constexpr int kMaxQueries = 160;
 
@@ -70,6 +74,33 @@ std::vector<FaceSample> interiorSamples(const TopoDS_Face& face) {
     }
   }
   return samples;
+}
+
+std::vector<gp_Pnt2d> gridInside(const TopoDS_Face& face, double pitch) {
+  const BRepAdaptor_Surface surface(face, Standard_False);
+  const BRepTopAdaptor_FClass2d inside(face, Precision::PConfusion());
+  double u0 = 0;
+  double u1 = 0;
+  double v0 = 0;
+  double v1 = 0;
+  BRepTools::UVBounds(face, u0, u1, v0, v1);
+  gp_Pnt p;
+  gp_Vec du;
+  gp_Vec dv;
+  surface.D1((u0 + u1) / 2, (v0 + v1) / 2, p, du, dv);
+  const auto cells = [&](double length) {
+    return static_cast<int>(std::clamp(length / pitch, double(kLeastGrid), double(kMostGrid)));
+  };
+  const int nu = cells((u1 - u0) * du.Magnitude());
+  const int nv = cells((v1 - v0) * dv.Magnitude());
+  std::vector<gp_Pnt2d> points;
+  for (int i = 0; i < nu; ++i) {
+    for (int j = 0; j < nv; ++j) {
+      const gp_Pnt2d uv(u0 + (u1 - u0) * (i + 0.5) / nu, v0 + (v1 - v0) * (j + 0.5) / nv);
+      if (inside.Perform(uv) == TopAbs_IN) points.push_back(uv);
+    }
+  }
+  return points;
 }
 
 std::vector<JudgedFace> judgeFaces(const std::vector<TopoDS_Face>& faces, bool solid,

@@ -4,6 +4,7 @@
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <gp_Pnt.hxx>
+#include <gp_Pnt2d.hxx>
 #include <gp_Vec.hxx>
 #include <vector>
 
@@ -27,6 +28,9 @@ struct JudgedFace {
 
 /// Points inside the face: one by OpenCASCADE, others on parameter lines.
 [[nodiscard]] std::vector<FaceSample> interiorSamples(const TopoDS_Face& face);
+
+/// Parameters of a grid inside the face, about `pitch` (mm) apart: 10 to 48 per direction.
+[[nodiscard]] std::vector<gp_Pnt2d> gridInside(const TopoDS_Face& face, double pitch);
 
 /// Live pieces: the median sample has |phi - d| <= tolerance. Sheets: the foot must not lie on a
 /// free edge.
