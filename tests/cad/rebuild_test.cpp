@@ -1,5 +1,6 @@
 // The stages between exact patches and the written file, one by one.
 #include <gtest/gtest.h>
+#include <BRepAdaptor_Curve.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
@@ -10,12 +11,16 @@
 #include <gp_Pln.hxx>
 
 #include <cmath>
+#include <map>
 
 #include "judge/exchange_fault.h"
 #include "rebuild/exact_offset.h"
+#include "rebuild/facet_gaps.h"
 #include "rebuild/facet_stage.h"
 #include "rebuild/fill_gaps.h"
+#include "rebuild/front_cuts.h"
 #include "rebuild/front_stage.h"
+#include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
 #include "rebuild/near_bodies.h"
 #include "solids.h"
@@ -87,6 +92,65 @@ TEST(FillGaps, ClosesWhereAPieceIsMissing) {
     BRepGProp::SurfaceProperties(filled.patches.front(), patch);
     EXPECT_NEAR(std::abs(patch.Mass()), std::abs(lost.Mass()), 0.01 * std::abs(lost.Mass()));
   }
+}
+
+TEST(FacetGaps, GiveUpPiecesAtFaultAndKeepTheOthers) {
+  const double d = 0.5;
+  const TrueDistance phi = distanceOf(test::box(4, 3, 2), 0.005);
+  const auto exact = tryExactOffset(test::box(4, 3, 2), true, d, phi, attemptSettings().front());
+  ASSERT_TRUE(exact) << exact.error().message;
+  EXPECT_FALSE(facetGaps(facesOf(exact->shape), {d, 0.02 * d}, phi)) << "there is no gap";
+  const std::vector<TopoDS_Face> all = facesOf(exact->shape);
+  for (std::size_t at = 0; at < all.size(); ++at) {
+    std::vector<TopoDS_Face> faces = all;
+    // One that is gone, and next to it one that leaves the level.
+    const auto next = (at + 1) % all.size();
+    gp_Trsf shift;
+    shift.SetTranslation(gp_Vec(0.1, 0.1, 0.1));
+    faces[next] = TopoDS::Face(faces[next].Moved(TopLoc_Location(shift)));
+    faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(at));
+    const auto closed = facetGaps(faces, {d, 0.02 * d}, phi);
+    ASSERT_TRUE(closed) << "without face " << at;
+    EXPECT_EQ(closed->faces.size() - static_cast<std::size_t>(closed->facets), all.size() - 2);
+    std::map<const void*, int> uses;
+    double area = 0;
+    for (const TopoDS_Face& face : closed->faces) {
+      EXPECT_TRUE(BRepCheck_Analyzer(face).IsValid());
+      GProp_GProps of;
+      BRepGProp::SurfaceProperties(face, of);
+      area += std::abs(of.Mass());
+      for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next())
+        if (!BRep_Tool::Degenerated(TopoDS::Edge(e.Current()))) ++uses[e.Current().TShape().get()];
+    }
+    for (const auto& [edge, count] : uses) EXPECT_EQ(count, 2);
+    GProp_GProps whole;
+    BRepGProp::SurfaceProperties(exact->shape, whole);
+    EXPECT_NEAR(area, whole.Mass(), 0.02 * whole.Mass());
+  }
+}
+
+TEST(FrontCuts, FollowACrossingThatWasMissed) {
+  const double d = 0.1;
+  const TrueDistance phi = distanceOf(test::lShape(), 0.01);
+  // Offsets of the two faces of the knee, which cross at (1.1, 1.1), not cut there.
+  const std::vector<TopoDS_Face> knee = {square(gp_Pnt(1.5, 1.1, 0.5), gp_Dir(0, 1, 0), 0.45),
+                                         square(gp_Pnt(1.1, 1.5, 0.5), gp_Dir(1, 0, 0), 0.45)};
+  const std::vector<JudgedFace> pieces = judgeFaces(knee, true, d, 1e-5, phi);
+  const std::vector<TopoDS_Shape> cuts = frontCuts(pieces, true, d, 1e-5, phi);
+  ASSERT_EQ(cuts.size(), 2U);
+  for (const TopoDS_Shape& cut : cuts) {
+    for (const double share : {0.3, 0.5, 0.7}) {
+      const BRepAdaptor_Curve curve(TopoDS::Edge(cut));
+      const gp_Pnt p = curve.Value(curve.FirstParameter() +
+                                   share * (curve.LastParameter() - curve.FirstParameter()));
+      EXPECT_NEAR(p.X(), 1.1, 1e-6);
+      EXPECT_NEAR(p.Y(), 1.1, 1e-6);
+    }
+  }
+  const auto never = [](std::size_t, std::size_t) { return false; };
+  const auto split = splitFaces(knee, 0, never, cuts);
+  ASSERT_TRUE(split) << split.error().message;
+  EXPECT_EQ(split->size(), 4U);
 }
 
 // Roundings of tiny distances are divided as the deflection asks, not finer: along an edge of many

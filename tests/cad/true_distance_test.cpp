@@ -1,6 +1,9 @@
 #include "tessellate/true_distance.h"
 
 #include <gtest/gtest.h>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <Geom_ToroidalSurface.hxx>
+#include <gp_Ax3.hxx>
 
 #include <chrono>
 #include <functional>
@@ -147,6 +150,34 @@ TEST(TrueDistance, ConeApexIsAVertex) {
   const Vec3 onSlope(0.5, 0, 1);
   for (const double d : {-0.2, 0.3}) {
     EXPECT_NEAR(distance.signedDistance(onSlope + d * normal), d, 1e-9);
+  }
+}
+
+// OpenCASCADE looks for the foot on one side of the axis only: on the wrong one for points beyond
+// the apex of a cone, and for the part of a torus that lies across its axis.
+TEST(TrueDistance, FeetOnBothSidesOfAnAxis) {
+  const TrueDistance cone = exactDistance(test::cone(2, 1), 0.005);
+  const Vec3 slope = Vec3(1, 0, 2).normalized();
+  for (const double d : {0.3, 1.0}) {
+    const auto foot = cone.foot(Vec3(0.1, 0, 0.95) + d * slope);
+    EXPECT_NEAR(foot.distance, d, 1e-9);
+    EXPECT_NEAR((foot.point - Vec3(0.1, 0, 0.95)).norm(), 0, 1e-6);
+  }
+  const Handle(Geom_ToroidalSurface) spindle = new Geom_ToroidalSurface(gp_Ax3(), 1, 3);
+  const TopoDS_Face barrel =
+      BRepBuilderAPI_MakeFace(spindle, 0, 2 * std::numbers::pi, 2.2, 4.0, 1e-7).Face();
+  const TrueDistance inner = exactDistance(barrel, 0.005, BodyKind::Sheet);
+  for (const double u : {0.3, 2.0, 5.0}) {
+    for (const double v : {2.5, 3.3, 3.8}) {
+      const gp_Pnt p = spindle->Value(u, v);
+      // The middle of the tube's circle lies across the axis.
+      const Vec3 middle(std::cos(u), std::sin(u), 0);
+      const Vec3 at(p.X(), p.Y(), p.Z());
+      for (const double d : {0.5, -0.5}) {
+        const auto foot = inner.foot(at + d * (at - middle).normalized());
+        EXPECT_NEAR(foot.distance, 0.5, 1e-9) << u << " " << v << " " << d;
+      }
+    }
   }
 }
 

@@ -237,7 +237,7 @@ void searchUncovered(const ModelDistance& in, const ModelDistance& out, const Tr
 
   RoundingDensity denser;
   denser.perArea = 3 * options.samples / in.area();
-  denser.perVertex = 48;
+  denser.perVertex = 200;
   for (std::size_t b = 0; in.hasSolids() && b < in.bodyCount(); ++b) {
     for (const OffsetCandidate& c :
          roundingCandidates(in.shape(b), options.distance, denser, rng)) {

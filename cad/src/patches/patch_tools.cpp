@@ -5,6 +5,8 @@
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>
+#include <BRepBuilderAPI_Copy.hxx>
+#include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
@@ -13,6 +15,7 @@
 #include <Geom2d_Line.hxx>
 #include <Geom_Circle.hxx>
 #include <Geom_Line.hxx>
+#include <Poly_Triangulation.hxx>
 #include <Precision.hxx>
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
@@ -107,6 +110,18 @@ double diagonalOf(const TopoDS_Shape& shape) {
   Bnd_Box box;
   BRepBndLib::Add(shape, box, Standard_False);
   return box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
+}
+
+bool tessellates(const TopoDS_Face& face, double size) {
+  constexpr double kDeflection = 0.02;  // of the size
+  constexpr double kAngle = 0.3;
+  // Of a copy: triangulations stay with the face, and with its edges.
+  const TopoDS_Face copy = TopoDS::Face(BRepBuilderAPI_Copy(face, Standard_False).Shape());
+  const BRepMesh_IncrementalMesh mesher(copy, kDeflection * size, Standard_False, kAngle,
+                                        Standard_False);
+  TopLoc_Location location;
+  const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(copy, location);
+  return !mesh.IsNull() && mesh->NbTriangles() > 0;
 }
 
 TopoDS_Vertex makeVertex(const gp_Pnt& point, double tolerance) {

@@ -32,6 +32,9 @@ inline constexpr double kAngularTolerance = 1e-6;
 /// Diagonal of the bounding box.
 [[nodiscard]] double diagonalOf(const TopoDS_Shape& shape);
 
+/// False when OpenCASCADE's mesher gives up on the face, for lengths of the order of `size` (mm).
+[[nodiscard]] bool tessellates(const TopoDS_Face& face, double size);
+
 /// Vertex as a point.
 [[nodiscard]] TopoDS_Vertex makeVertex(const gp_Pnt& point, double tolerance);
 

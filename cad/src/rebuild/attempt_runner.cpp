@@ -164,12 +164,11 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
   const bool sheet = body.kind == BodyKind::Sheet;
   AttemptLog log;
   double leastWorth = kLeastAttempt;
-  // A result with facets is kept while others may do without.
-  const auto settled = [&] { return log.accepted && log.accepted->facetedFaces == 0; };
-  for (std::size_t first = 0; first < settings.size() && !settled(); first += wave) {
+  std::size_t most = settings.size();
+  for (std::size_t first = 0; first < most; first += wave) {
     const double left = deadline.left();
     if (left < leastWorth || !progress.report(static_cast<double>(first) / settings.size())) break;
-    const std::size_t count = std::min(wave, settings.size() - first);
+    const std::size_t count = std::min(wave, most - first);
     std::vector<Trial> trials(count);
     std::vector<std::thread> runners;  // they only wait for their child process
     for (std::size_t i = 0; i < count; ++i) {
@@ -189,10 +188,13 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
       if (!trial.judged) continue;
       const CheckResult& check = trial.judged->check;
       const bool better = !log.accepted || trial.judged->facetedFaces < log.accepted->facetedFaces;
-      if (trial.accepted && better)
-        log.accepted = std::move(trial.judged);
-      else if (!trial.accepted && !log.rejected && check.valid && (check.closed || sheet))
+      if (trial.accepted) {
+        // A result with facets is kept while the next setting may do without.
+        most = std::min(most, trial.judged->facetedFaces == 0 ? first + i : first + wave + 1);
+        if (better) log.accepted = std::move(trial.judged);
+      } else if (!log.rejected && check.valid && (check.closed || sheet)) {
         log.rejected = std::move(trial.judged);
+      }
     }
   }
   return log;

@@ -4,6 +4,9 @@
 
 #include <fmt/format.h>
 
+#include <BRepCheck_Analyzer.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -34,12 +37,21 @@ constexpr double kDoubt = 5e-3;
 /// for sewing.
 constexpr std::array kCutFuzzy{0.0, 1e-3};
 constexpr double kCutSewing = 2e-3;
+/// More lines than this are noise: the surfaces fold, and cutting takes long.
+constexpr std::size_t kMostCuts = 80;
 
 /// Pieces to make the offset of, and how they are sewn if they have to be, mm.
 struct PieceSet {
   std::vector<JudgedFace> pieces;
   double sewTolerance = 0;
 };
+
+bool isSound(const TopoDS_Shape& shape, double size) {
+  if (!BRepCheck_Analyzer(shape).IsValid()) return false;
+  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
+    if (!tessellates(TopoDS::Face(it.Current()), size)) return false;
+  return true;
+}
 
 }  // namespace
 
@@ -95,7 +107,7 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     // Where phi shows that pieces leave the offset they are cut there.
     const std::vector<TopoDS_Shape> cuts = frontCuts(judged, solid, distance, levelTolerance, phi);
     for (const double share : kCutFuzzy) {
-      if (cuts.empty()) break;
+      if (cuts.empty() || cuts.size() > kMostCuts) break;
       const auto never = [](std::size_t, std::size_t) { return false; };
       const double fuzzy = std::max(setting.fuzzy * diagonal, share * std::abs(distance));
       const Result<std::vector<TopoDS_Face>> again = splitFaces(*split, fuzzy, never, cuts);
@@ -124,9 +136,12 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     }
     if (!assembly.shape.IsNull() && assembly.openEdges == 0) break;
   }
-  if (solid && result.keptFaces > 0 && (assembly.shape.IsNull() || assembly.openEdges > 0)) {
-    for (const PieceSet& set : sets) {
-      Assembly made = assembleWithFacets(set.pieces, {distance, diagonal, set.sewTolerance}, phi);
+  const bool sound = !assembly.shape.IsNull() && assembly.openEdges == 0 &&
+                     isSound(assembly.shape, std::abs(distance));
+  if (solid && result.keptFaces > 0 && !sound) {
+    // Of the cut pieces, then of the others.
+    for (const PieceSet* set : {&sets.front(), &sets.back()}) {
+      Assembly made = assembleWithFacets(set->pieces, {distance, diagonal, set->sewTolerance}, phi);
       if (made.shape.IsNull() || made.openEdges > 0) continue;
       assembly = std::move(made);
       break;

@@ -7,6 +7,7 @@
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
@@ -22,6 +23,7 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Wire.hxx>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -40,15 +42,15 @@ constexpr double kLargeArea = 30;   // d^2: pieces are cut around their faults
 constexpr double kFrame = 1;        // |d|, so far away from them
 constexpr int kEdgeSamples = 5;
 constexpr int kRounds = 6;
-constexpr double kMostRemoved = 0.4;  // of the area
-constexpr double kChordShare = 0.3;   // of the tolerance: edges are straight enough
-constexpr double kLongestSide = 10;   // of |d|
-constexpr int kMostDivisions = 7;     // of an edge, by halving
-constexpr double kStep = 1e-3;        // of |d|, to see which way phi grows
-constexpr int kProjectionSteps = 8;
-constexpr double kOnLevel = 1e-5;    // of |d|
-constexpr double kSamePlace = 1e-5;  // of |d|
-constexpr Index kMostFacets = 1500;  // of one hole
+constexpr double kMostRemoved = 0.4;             // of the area
+constexpr std::array kChords{6e-3, 2e-3, 5e-4};  // of |d|, of the edges around holes: tried in turn
+constexpr double kLongestSide = 10;              // of |d|
+constexpr int kMostDivisions = 8;                // of an edge, by halving
+constexpr double kStep = 1e-3;                   // of |d|, to see which way phi grows
+constexpr int kProjectionSteps = 24;             // at a crease it goes from side to side
+constexpr double kOnLevel = 1e-4;                // of |d|
+constexpr double kSamePlace = 1e-5;              // of |d|
+constexpr Index kMostFacets = 1500;              // of one hole
 
 using Loop = std::vector<TopoDS_Edge>;  // oriented along the loop, the hole on the left
 
@@ -94,7 +96,18 @@ class GapFaceter {
     double gone = 0;
     for (const TopoDS_Face& piece : removed_) gone += areaOf(piece);
     if (gone > kMostRemoved * area || pieces_.empty()) return std::nullopt;
-    if (!divideOpenEdges()) return std::nullopt;
+    const std::vector<TopoDS_Face> whole = pieces_;
+    for (const double chord : kChords) {
+      pieces_ = whole;
+      std::optional<FacetedGaps> result = filled(chord * size());
+      if (result && valid(*result)) return result;
+    }
+    return std::nullopt;
+  }
+
+ private:
+  std::optional<FacetedGaps> filled(double chord) {
+    if (!divideOpenEdges(chord)) return std::nullopt;
     std::optional<std::vector<Loop>> loops = openLoops();
     if (!loops || loops->empty()) return std::nullopt;
     FacetedGaps result;
@@ -107,7 +120,12 @@ class GapFaceter {
     return result;
   }
 
- private:
+  /// A narrow triangle next to an edge that is not straight enough may be crossed by it.
+  static bool valid(const FacetedGaps& result) {
+    return std::all_of(result.faces.end() - result.facets, result.faces.end(),
+                       [](const TopoDS_Face& face) { return BRepCheck_Analyzer(face).IsValid(); });
+  }
+
   [[nodiscard]] double size() const { return std::abs(options_.distance); }
   [[nodiscard]] double offLevel(const gp_Pnt& p) const {
     return std::abs(phi_.signedDistance(toVec(p)) - options_.distance);
@@ -165,14 +183,18 @@ class GapFaceter {
     return true;
   }
 
-  /// Pieces with points that are off the level, that lie on edges which are used too often or,
-  /// open, leave the level, or on open edges that end where an odd number of them does.
+  /// Pieces that are not valid or cannot be tessellated; those with points that are off the level,
+  /// that lie on edges which are used too often or, open, leave the level, or on open edges that
+  /// end where an odd number of them does.
   [[nodiscard]] std::map<std::size_t, std::vector<gp_Pnt2d>> faultsOf(bool inside) const {
     std::map<std::size_t, std::vector<gp_Pnt2d>> faults;
     for (std::size_t f = 0; inside && f < pieces_.size(); ++f) {
       std::vector<gp_Pnt2d> off = offLevel(pieces_[f]);
       if (!off.empty()) faults[f] = std::move(off);
     }
+    for (std::size_t f = 0; f < pieces_.size(); ++f)
+      if (!BRepCheck_Analyzer(pieces_[f]).IsValid() || !tessellates(pieces_[f], size()))
+        faults.try_emplace(f);
     const EdgeUses uses(pieces_);
     std::map<const void*, int> openAt;
     for (std::size_t e = 0; e < uses.faces.size(); ++e) {
@@ -261,7 +283,7 @@ class GapFaceter {
   }
 
   /// Parameters that divide an edge into nearly straight parts, at least two.
-  [[nodiscard]] std::vector<double> divisions(const TopoDS_Edge& edge) const {
+  [[nodiscard]] std::vector<double> divisions(const TopoDS_Edge& edge, double chord) const {
     const BRepAdaptor_Curve curve(edge);
     std::vector<double> found;
     const auto halve = [&](const auto& self, double a, double b, int depth) -> void {
@@ -276,8 +298,7 @@ class GapFaceter {
         const double length = along.Magnitude();
         off = std::max(off, length > 0 ? along.Crossed(arm).Magnitude() / length : arm.Magnitude());
       }
-      const bool enough =
-          off <= kChordShare * options_.tolerance && pa.Distance(pb) <= kLongestSide * size();
+      const bool enough = off <= chord && pa.Distance(pb) <= kLongestSide * size();
       if (depth >= kMostDivisions || (depth > 0 && enough)) return;
       self(self, a, m, depth + 1);
       found.push_back(m);
@@ -287,13 +308,13 @@ class GapFaceter {
     return found;
   }
 
-  bool divideOpenEdges() {
+  bool divideOpenEdges(double chord) {
     const EdgeUses uses(pieces_);
     std::vector<TopoDS_Shape> points;
     for (std::size_t e = 0; e < uses.faces.size(); ++e) {
       if (uses.faces[e].size() != 1) continue;
       const BRepAdaptor_Curve curve(uses.edge(e));
-      for (const double t : divisions(uses.edge(e)))
+      for (const double t : divisions(uses.edge(e), chord))
         points.push_back(makeVertex(curve.Value(t), Precision::Confusion()));
     }
     const auto never = [](std::size_t, std::size_t) { return false; };
@@ -306,7 +327,8 @@ class GapFaceter {
   /// Simple loops of edges that one piece uses; empty when they do not close.
   [[nodiscard]] std::optional<std::vector<Loop>> openLoops() const {
     const EdgeUses uses(pieces_);
-    std::map<const void*, std::vector<TopoDS_Edge>> from;  // directed edges by first vertex
+    TopTools_IndexedMapOfShape vertices;
+    std::map<int, std::vector<TopoDS_Edge>> from;  // directed edges by first vertex
     std::size_t left = 0;
     for (std::size_t e = 0; e < uses.faces.size(); ++e) {
       if (uses.faces[e].size() != 1) continue;
@@ -319,7 +341,7 @@ class GapFaceter {
       const bool forward = (uses.edge(e).Orientation() == TopAbs_FORWARD) == outward;
       const TopoDS_Edge along =
           TopoDS::Edge(uses.edge(e).Oriented(forward ? TopAbs_REVERSED : TopAbs_FORWARD));
-      from[TopExp::FirstVertex(along, Standard_True).TShape().get()].push_back(along);
+      from[vertices.Add(TopExp::FirstVertex(along, Standard_True))].push_back(along);
       ++left;
     }
     std::vector<Loop> loops;
@@ -327,7 +349,7 @@ class GapFaceter {
       const auto start = std::find_if(from.begin(), from.end(),
                                       [](const auto& entry) { return !entry.second.empty(); });
       Loop path;
-      std::vector<const void*> at{start->first};
+      std::vector<int> at{start->first};
       while (!at.empty()) {
         std::vector<TopoDS_Edge>& next = from[at.back()];
         if (next.empty()) {
@@ -337,7 +359,7 @@ class GapFaceter {
         path.push_back(next.back());
         next.pop_back();
         --left;
-        const void* to = TopExp::LastVertex(path.back(), Standard_True).TShape().get();
+        const int to = vertices.FindIndex(TopExp::LastVertex(path.back(), Standard_True));
         const auto seen = std::find(at.begin(), at.end(), to);
         if (seen == at.end()) {
           at.push_back(to);

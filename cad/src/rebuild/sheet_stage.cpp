@@ -22,7 +22,7 @@ namespace phront::cad {
 namespace {
 
 constexpr double kFacesShare = 0.8;   // of the time left
-constexpr double kTrimShare = 0.5;    // of the tolerance, for each face
+constexpr double kTrimShare = 0.9;    // of the tolerance, for each face
 constexpr double kSewingShare = 0.1;  // of the tolerance
 constexpr double kSewingSeconds = 10;
 constexpr double kSewingMemoryMiB = 2000;

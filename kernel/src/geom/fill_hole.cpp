@@ -13,17 +13,22 @@ namespace phront {
 namespace {
 
 constexpr std::size_t kMostCorners = 600;
-constexpr int kRounds = 8;
+constexpr int kRounds = 12;
 constexpr int kFlipPasses = 4;
 constexpr int kSmoothings = 2;
 constexpr double kNoFold = 0.2;       // cosine between normals before and after a change
-constexpr double kThin = 1e-9;        // area to the square of the sides: a triangle without area
+constexpr double kThin = 1e-3;        // area to the squares of the sides: below, a needle
 constexpr double kThinPenalty = 1e3;  // times the polygon's extent squared
 
 using Triangle = std::array<Index, 3>;
 using Polygon = std::vector<Index>;
 
 Vec3 areaNormal(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a); }
+
+bool needle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double sides = (a - b).squaredNorm() + (b - c).squaredNorm() + (c - a).squaredNorm();
+  return !(areaNormal(a, b, c).norm() > kThin * sides);
+}
 
 /// Loops of one hole as a single polygon: each is joined to the nearest one by a side that is used
 /// in both directions.
@@ -73,9 +78,7 @@ std::vector<Triangle> leastArea(const Polygon& polygon, const std::vector<Vec3>&
     if (polygon[i] == polygon[j] || polygon[j] == polygon[k] || polygon[i] == polygon[k])
       return std::numeric_limits<double>::infinity();
     const double area = areaNormal(at(i), at(j), at(k)).norm();
-    const double sides = (at(i) - at(j)).squaredNorm() + (at(j) - at(k)).squaredNorm() +
-                         (at(k) - at(i)).squaredNorm();
-    return area > kThin * sides ? area : penalty;
+    return needle(at(i), at(j), at(k)) ? penalty : area;
   };
   std::vector<double> best(n * n, 0);
   std::vector<std::size_t> middle(n * n, 0);
@@ -143,6 +146,9 @@ class Patch {
   };
 
   [[nodiscard]] const Vec3& at(Index p) const { return points_[static_cast<std::size_t>(p)]; }
+  [[nodiscard]] bool isNeedle(const Triangle& t) const {
+    return needle(at(t[0]), at(t[1]), at(t[2]));
+  }
   [[nodiscard]] Vec3 normalOf(const Triangle& t) const {
     return areaNormal(at(t[0]), at(t[1]), at(t[2]));
   }
@@ -219,8 +225,17 @@ class Patch {
       char& doneT = done[static_cast<std::size_t>(t)];
       if (doneS || doneT) continue;
       doneS = doneT = 1;
-      any = true;
       const Index m = add(0.5 * (at(w.side.first) + at(w.side.second)));
+      const auto spoilt = [&](Index old) {
+        const Triangle& here = triangles_[static_cast<std::size_t>(old)];
+        return isNeedle(replaced(here, w.side.first, m)) ||
+               isNeedle(replaced(here, w.side.second, m));
+      };
+      if (spoilt(s) || spoilt(t)) {
+        points_.pop_back();
+        continue;
+      }
+      any = true;
       for (const Index old : {s, t}) {
         Triangle& here = triangles_[static_cast<std::size_t>(old)];
         const Triangle before = here;
@@ -233,11 +248,18 @@ class Patch {
       if (done[t]) continue;
       const Triangle before = triangles_[t];
       if (off(middleOf(before)) <= options_.tolerance) continue;
-      any = true;
       const Index m = add(middleOf(before));
-      triangles_[t] = {before[0], before[1], m};
-      triangles_.push_back({before[1], before[2], m});
-      triangles_.push_back({before[2], before[0], m});
+      const std::array<Triangle, 3> parts{Triangle{before[0], before[1], m},
+                                          Triangle{before[1], before[2], m},
+                                          Triangle{before[2], before[0], m}};
+      if (std::any_of(parts.begin(), parts.end(),
+                      [this](const Triangle& part) { return isNeedle(part); })) {
+        points_.pop_back();
+        continue;
+      }
+      any = true;
+      triangles_[t] = parts[0];
+      triangles_.insert(triangles_.end(), parts.begin() + 1, parts.end());
     }
     return any;
   }
@@ -262,6 +284,7 @@ class Patch {
         const Triangle second = replaced(triangles_[t], side.second, c);
         const Vec3 before = normalOf(triangles_[s]) + normalOf(triangles_[t]);
         if (!agrees(first, before) || !agrees(second, before)) continue;
+        if (isNeedle(first) || isNeedle(second)) continue;
         triangles_[s] = first;
         triangles_[t] = second;
         done[s] = done[t] = 1;
@@ -307,7 +330,8 @@ class Patch {
       if (!there) continue;
       points_[p] = *there;
       for (std::size_t k = 0; k < around[p].size(); ++k) {
-        if (agrees(triangles_[static_cast<std::size_t>(around[p][k])], normals[k])) continue;
+        const Triangle& triangle = triangles_[static_cast<std::size_t>(around[p][k])];
+        if (agrees(triangle, normals[k]) && !isNeedle(triangle)) continue;
         points_[p] = before;
         break;
       }
