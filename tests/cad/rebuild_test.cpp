@@ -101,7 +101,7 @@ TEST(FacetGaps, GiveUpPiecesAtFaultAndKeepTheOthers) {
   ASSERT_TRUE(exact) << exact.error().message;
   EXPECT_FALSE(facetGaps(facesOf(exact->shape), {d, 0.02 * d}, phi)) << "there is no gap";
   const std::vector<TopoDS_Face> all = facesOf(exact->shape);
-  for (std::size_t at = 0; at < all.size(); ++at) {
+  for (std::size_t at = 0; at < all.size(); at += 6) {
     std::vector<TopoDS_Face> faces = all;
     // One that is gone, and next to it one that leaves the level.
     const auto next = (at + 1) % all.size();

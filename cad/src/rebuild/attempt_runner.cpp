@@ -164,33 +164,36 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
   const bool sheet = body.kind == BodyKind::Sheet;
   AttemptLog log;
   double leastWorth = kLeastAttempt;
+  const auto worthTrying = [&](const AttemptSetting& setting) {
+    return !setting.alwaysRepair || log.rejected;
+  };
   std::size_t most = settings.size();
-  for (std::size_t first = 0; first < most; first += wave) {
+  for (std::size_t next = 0; next < most;) {
     const double left = deadline.left();
-    if (left < leastWorth || !progress.report(static_cast<double>(first) / settings.size())) break;
-    const std::size_t count = std::min(wave, most - first);
-    std::vector<Trial> trials(count);
+    if (left < leastWorth || !progress.report(static_cast<double>(next) / settings.size())) break;
+    std::vector<AttemptSetting> chosen;
+    for (; next < most && chosen.size() < wave; ++next) {
+      if (!worthTrying(settings[next])) continue;
+      chosen.push_back(settings[next]);
+      chosen.back().timeLimit = std::min(chosen.back().timeLimit, left);
+    }
+    std::vector<Trial> trials(chosen.size());
     std::vector<std::thread> runners;  // they only wait for their child process
-    for (std::size_t i = 0; i < count; ++i) {
-      runners.emplace_back([&, i] {
-        AttemptSetting setting = settings[first + i];
-        setting.timeLimit = std::min(setting.timeLimit, left);
-        trials[i] = runTrial(body, healed, options, phi, setting, deadline);
-      });
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      runners.emplace_back(
+          [&, i] { trials[i] = runTrial(body, healed, options, phi, chosen[i], deadline); });
     }
     for (std::thread& runner : runners) runner.join();
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
       Trial& trial = trials[i];
-      if (trial.timedOut)
-        leastWorth =
-            std::max(leastWorth, kShareOfTimeout * std::min(settings[first + i].timeLimit, left));
+      if (trial.timedOut) leastWorth = std::max(leastWorth, kShareOfTimeout * chosen[i].timeLimit);
       log.lines.push_back(trial.line);
       if (!trial.judged) continue;
       const CheckResult& check = trial.judged->check;
       const bool better = !log.accepted || trial.judged->facetedFaces < log.accepted->facetedFaces;
       if (trial.accepted) {
         // A result with facets is kept while the next setting may do without.
-        most = std::min(most, trial.judged->facetedFaces == 0 ? first + i : first + wave + 1);
+        most = std::min(most, trial.judged->facetedFaces == 0 ? next : next + 1);
         if (better) log.accepted = std::move(trial.judged);
       } else if (!log.rejected && check.valid && (check.closed || sheet)) {
         log.rejected = std::move(trial.judged);

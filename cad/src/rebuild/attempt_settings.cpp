@@ -11,6 +11,7 @@ std::vector<AttemptSetting> attemptSettings() {
                       .smoothTolerance = 0.01,
                       .dropDeadPatches = true,
                       .thinPairs = true,
+                      .repairSeconds = 20,
                       .timeLimit = 35});
   settings.push_back({.name = "fine",
                       .fuzzy = 1e-5,
@@ -18,7 +19,15 @@ std::vector<AttemptSetting> attemptSettings() {
                       .sewTolerance = 1e-5,
                       .dropDeadPatches = true,
                       .thinPairs = true,
+                      .repairSeconds = 12,
                       .timeLimit = 25});
+  settings.push_back({.name = "cut by phi",
+                      .smoothTolerance = 0.01,
+                      .dropDeadPatches = true,
+                      .thinPairs = true,
+                      .repairSeconds = 20,
+                      .alwaysRepair = true,
+                      .timeLimit = 30});
   settings.push_back({.name = "unified",
                       .fuzzy = 1e-6,
                       .smoothTolerance = 1e-3,

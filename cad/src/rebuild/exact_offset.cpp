@@ -4,11 +4,7 @@
 
 #include <fmt/format.h>
 
-#include <BRepCheck_Analyzer.hxx>
-#include <TopExp_Explorer.hxx>
-#include <TopoDS.hxx>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -17,9 +13,9 @@
 #include "patches/patch_tools.h"
 #include "patches/raw_complex.h"
 #include "rebuild/assemble.h"
-#include "rebuild/front_cuts.h"
 #include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
+#include "rebuild/repair.h"
 #include "rebuild/select.h"
 
 namespace phront::cad {
@@ -32,26 +28,7 @@ constexpr double kApproximation = 1e-6;
 /// Of |d|: pieces this near to the level are live if the rest needs them; the check allows ten
 /// times as much.
 constexpr double kDoubt = 5e-3;
-
-/// Of |d|: how well lines that phi shows are met from both sides, as General Fuse's fuzzy value and
-/// for sewing.
-constexpr std::array kCutFuzzy{0.0, 1e-3};
-constexpr double kCutSewing = 2e-3;
-/// More lines than this are noise: the surfaces fold, and cutting takes long.
-constexpr std::size_t kMostCuts = 80;
-
-/// Pieces to make the offset of, and how they are sewn if they have to be, mm.
-struct PieceSet {
-  std::vector<JudgedFace> pieces;
-  double sewTolerance = 0;
-};
-
-bool isSound(const TopoDS_Shape& shape, double size) {
-  if (!BRepCheck_Analyzer(shape).IsValid()) return false;
-  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
-    if (!tessellates(TopoDS::Face(it.Current()), size)) return false;
-  return true;
-}
+constexpr double kRepairMemoryMiB = 2000;
 
 }  // namespace
 
@@ -102,54 +79,24 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     return judged;
   };
   std::vector<JudgedFace> judged = judgedOf(*split);
-  std::vector<PieceSet> sets;
-  if (solid) {
-    // Where phi shows that pieces leave the offset they are cut there.
-    const std::vector<TopoDS_Shape> cuts = frontCuts(judged, solid, distance, levelTolerance, phi);
-    for (const double share : kCutFuzzy) {
-      if (cuts.empty() || cuts.size() > kMostCuts) break;
-      const auto never = [](std::size_t, std::size_t) { return false; };
-      const double fuzzy = std::max(setting.fuzzy * diagonal, share * std::abs(distance));
-      const Result<std::vector<TopoDS_Face>> again = splitFaces(*split, fuzzy, never, cuts);
-      if (!again) continue;
-      sets.push_back({judgedOf(*again),
-                      std::max(setting.sewTolerance * diagonal, kCutSewing * std::abs(distance))});
-    }
-    if (!cuts.empty()) result.notes.push_back(fmt::format("{} cuts by phi", cuts.size()));
-  }
-  sets.push_back({std::move(judged), setting.sewTolerance * diagonal});
-
-  Assembly assembly;
-  for (const PieceSet& set : sets) {
-    const auto kept = std::count_if(set.pieces.begin(), set.pieces.end(),
-                                    [](const JudgedFace& j) { return j.live; });
-    if (kept == 0) continue;
-    const AssembleOptions options{
-        .distance = distance, .diagonal = diagonal, .sewTolerance = set.sewTolerance};
-    Assembly made =
-        solid ? assembleSolids(set.pieces, options, phi) : assembleSheet(set.pieces, options, phi);
-    const bool better =
-        assembly.shape.IsNull() || (!made.shape.IsNull() && made.openEdges < assembly.openEdges);
-    if (result.keptFaces == 0 || better) {
-      result.keptFaces = static_cast<int>(kept);
-      assembly = std::move(made);
-    }
-    if (!assembly.shape.IsNull() && assembly.openEdges == 0) break;
-  }
-  const bool sound = !assembly.shape.IsNull() && assembly.openEdges == 0 &&
-                     isSound(assembly.shape, std::abs(distance));
-  if (solid && result.keptFaces > 0 && !sound) {
-    // Of the cut pieces, then of the others.
-    for (const PieceSet* set : {&sets.front(), &sets.back()}) {
-      Assembly made = assembleWithFacets(set->pieces, {distance, diagonal, set->sewTolerance}, phi);
-      if (made.shape.IsNull() || made.openEdges > 0) continue;
-      assembly = std::move(made);
-      break;
-    }
-  }
+  result.keptFaces = static_cast<int>(
+      std::count_if(judged.begin(), judged.end(), [](const JudgedFace& j) { return j.live; }));
   if (result.keptFaces == 0) {
     result.notes.push_back("no piece of any patch lies on the offset");
     return result;
+  }
+  const AssembleOptions options{
+      .distance = distance, .diagonal = diagonal, .sewTolerance = setting.sewTolerance * diagonal};
+  Assembly assembly;
+  if (!solid)
+    assembly = assembleSheet(judged, options, phi);
+  else if (!setting.alwaysRepair)
+    assembly = assembleSolids(judged, options, phi);
+  if (solid && setting.repairSeconds > 0 && !isSound(assembly, std::abs(distance))) {
+    const RepairRequest request{options, setting.fuzzy * diagonal, levelTolerance, judgedOf};
+    Result<Assembly> repaired =
+        repairPieces(judged, request, phi, {setting.repairSeconds, kRepairMemoryMiB});
+    if (repaired) assembly = std::move(*repaired);
   }
   result.openEdges = assembly.openEdges;
   result.fittedFaces = assembly.fittedFaces;

@@ -19,7 +19,12 @@ struct AttemptSetting {
   bool unifyInput = false;       ///< merge split faces of the input first
   bool dropDeadPatches = false;  ///< drop patches that no label of the iso-surface names
   bool thinPairs = false;        ///< patches that cannot cross on the offset are not intersected
-  double timeLimit = 15;         ///< s
+  /// s, > 0: where the pieces do not close they are cut where phi shows that they leave the offset,
+  /// then corners are given up to facets; for at most so long.
+  double repairSeconds = 0;
+  /// That is done even if they close: for when an earlier setting's result was rejected.
+  bool alwaysRepair = false;
+  double timeLimit = 15;  ///< s
 };
 
 /// The settings in the order they are tried.

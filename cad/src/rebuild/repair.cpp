@@ -1,0 +1,88 @@
+#include "rebuild/repair.h"
+
+#include <fmt/format.h>
+
+#include <BRepCheck_Analyzer.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "exchange/shape_bytes.h"
+#include "patches/patch_tools.h"
+#include "rebuild/front_cuts.h"
+#include "rebuild/fuse.h"
+
+namespace phront::cad {
+namespace {
+
+/// Of |d|: how well lines that phi shows are met from both sides, as General Fuse's fuzzy value and
+/// for sewing.
+constexpr std::array kCutFuzzy{0.0, 1e-3};
+constexpr double kCutSewing = 2e-3;
+/// More lines than this are noise: the surfaces fold, and cutting takes long.
+constexpr std::size_t kMostCuts = 80;
+
+Result<Assembly> repaired(const std::vector<JudgedFace>& pieces, const RepairRequest& request,
+                          const TrueDistance& phi) {
+  const double size = std::abs(request.options.distance);
+  const std::vector<TopoDS_Shape> cuts =
+      frontCuts(pieces, true, request.options.distance, request.levelTolerance, phi);
+  std::vector<TopoDS_Face> faces;
+  for (const JudgedFace& piece : pieces) faces.push_back(piece.face);
+  std::vector<JudgedFace> cutPieces;
+  AssembleOptions options = request.options;
+  options.sewTolerance = std::max(options.sewTolerance, kCutSewing * size);
+  for (const double share : kCutFuzzy) {
+    if (cuts.empty() || cuts.size() > kMostCuts) break;
+    const auto never = [](std::size_t, std::size_t) { return false; };
+    const Result<std::vector<TopoDS_Face>> split =
+        splitFaces(faces, std::max(request.fuzzy, share * size), never, cuts);
+    if (!split) continue;
+    cutPieces = request.judge(*split);
+    Assembly made = assembleSolids(cutPieces, options, phi);
+    if (isSound(made, size)) return made;
+  }
+  const std::array<const std::vector<JudgedFace>*, 2> sets{&cutPieces, &pieces};
+  for (const std::vector<JudgedFace>* set : sets) {
+    if (set->empty()) continue;
+    Assembly made = assembleWithFacets(*set, options, phi);
+    if (isSound(made, size)) return made;
+  }
+  return fail(ErrorCode::Failed, "the pieces do not close");
+}
+
+}  // namespace
+
+bool isSound(const Assembly& assembly, double size) {
+  if (assembly.shape.IsNull() || assembly.openEdges > 0) return false;
+  if (!BRepCheck_Analyzer(assembly.shape).IsValid()) return false;
+  for (TopExp_Explorer it(assembly.shape, TopAbs_FACE); it.More(); it.Next())
+    if (!tessellates(TopoDS::Face(it.Current()), size)) return false;
+  return true;
+}
+
+Result<Assembly> repairPieces(const std::vector<JudgedFace>& pieces, const RepairRequest& request,
+                              const TrueDistance& phi, const GuardLimits& limits) {
+  // The counts, a line end, the shape.
+  const Result<std::string> bytes =
+      runInChild("repairing the pieces", limits, [&]() -> Result<std::string> {
+        const Result<Assembly> made = repaired(pieces, request, phi);
+        if (!made) return tl::unexpected(made.error());
+        return fmt::format("{} {}\n", made->fittedFaces, made->facetedFaces) +
+               bytesOfShape(made->shape);
+      });
+  if (!bytes) return tl::unexpected(bytes.error());
+  Assembly assembly;
+  const std::size_t end = bytes->find('\n');
+  std::istringstream(bytes->substr(0, end)) >> assembly.fittedFaces >> assembly.facetedFaces;
+  Result<TopoDS_Shape> shape = shapeOfBytes(std::string_view(*bytes).substr(end + 1));
+  if (!shape) return tl::unexpected(shape.error());
+  assembly.shape = std::move(*shape);
+  assembly.way = assembly.facetedFaces > 0 ? "pieces and facets" : "pieces cut by phi";
+  return assembly;
+}
+
+}  // namespace phront::cad
