@@ -85,15 +85,19 @@ std::string summaryOf(const cad::OffsetReport& report) {
     faceted += body.facetedFaces;
   }
   const cad::CheckResult& check = report.check;
-  std::string text = fmt::format("{} solid(s), {} exact faces", check.solids, exact);
-  if (fitted > 0) text += fmt::format(", {} fitted faces where exact ones left a gap", fitted);
+  const bool solid = check.solids > 0;
+  std::string text = solid ? fmt::format("{} solid(s), {} exact faces", check.solids, exact)
+                           : fmt::format("a sheet of {} exact faces", exact);
+  if (fitted > 0)
+    text += fmt::format(", {} fitted faces{}", fitted, solid ? " where exact ones left a gap" : "");
   if (faceted > 0) text += fmt::format(", {} planar facets in place of curved faces", faceted);
+  if (solid) text += fmt::format(", volume {:.6g} mm3", check.volume);
   const double d = std::abs(report.options.distance);
   text += fmt::format(
-      ", volume {:.6g} mm3; measured deviation {:.3g} mm (99 % of the area, {:.2g} % of d), "
+      "; measured deviation {:.3g} mm (99 % of the area, {:.2g} % of d), "
       "largest "
       "{:.3g} mm",
-      check.volume, check.accuracyP99, 100 * check.accuracyP99 / d, check.accuracyMax);
+      check.accuracyP99, 100 * check.accuracyP99 / d, check.accuracyMax);
   return text;
 }
 

@@ -30,6 +30,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "phront/cad/offset_shape.h"
 #include "solids.h"
 #include "surfaces/contour.h"
 #include "surfaces/offset_geom.h"
@@ -233,6 +234,19 @@ TEST(OffsetSurfaces, WhereASheetBendsTooMuchItIsCut) {
   EXPECT_FALSE(inside.bodies[0].faces[0].whole);
   const SurfacesResult outside = surfacesOf(sheet, -1.5);
   EXPECT_EQ(outside.bodies[0].faces[0].surfaces, 1);
+
+  // The offset of the sheet, which General Fuse cannot cut with itself, is made of these.
+  Model model;
+  model.bodies.push_back(sheet);
+  OffsetOptions options;
+  options.distance = 1.5;
+  const auto offset = offsetModel(model, options);
+  ASSERT_TRUE(offset.has_value()) << offset.error().message;
+  EXPECT_TRUE(offset->accepted()) << offset->report.check.reasons.front();
+  const BodyReport& report = offset->report.bodies.front();
+  EXPECT_EQ(report.setting, "trimmed faces");
+  EXPECT_EQ(report.fittedFaces, 2);
+  EXPECT_EQ(report.facetedFaces, 0);
 }
 
 TEST(OffsetSurfaces, BadNumbersAreRefused) {

@@ -1,11 +1,14 @@
 // The stages between exact patches and the written file, one by one.
 #include <gtest/gtest.h>
 #include <BRepAdaptor_Curve.hxx>
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <BRep_Builder.hxx>
+#include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
 #include <TopoDS_Compound.hxx>
 #include <gp_Pln.hxx>
@@ -23,6 +26,7 @@
 #include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
 #include "rebuild/near_bodies.h"
+#include "rebuild/repair.h"
 #include "solids.h"
 
 namespace phront::cad {
@@ -151,6 +155,56 @@ TEST(FrontCuts, FollowACrossingThatWasMissed) {
   const auto split = splitFaces(knee, 0, never, cuts);
   ASSERT_TRUE(split) << split.error().message;
   EXPECT_EQ(split->size(), 4U);
+}
+
+TEST(RepairPieces, CutsWhatWasLeftUncut) {
+  const double d = 0.1;
+  const double diagonal = std::sqrt(9.0);
+  const TopoDS_Shape knee = test::lShape();
+  const TrueDistance phi = distanceOf(knee, 0.002);
+  const auto exact = tryExactOffset(knee, true, d, phi, attemptSettings().front());
+  ASSERT_TRUE(exact) << exact.error().message;
+  std::vector<TopoDS_Face> faces;
+  int uncut = 0;
+  for (const TopoDS_Face& face : facesOf(exact->shape)) {
+    const BRepAdaptor_Surface surface(face, Standard_False);
+    Bnd_Box box;
+    BRepBndLib::AddOptimal(face, box, Standard_False, Standard_False);
+    double low[3];
+    double high[3];
+    box.Get(low[0], low[1], low[2], high[0], high[1], high[2]);
+    // The two at the knee run on beyond the line where they cross.
+    const int across = high[0] - low[0] < 1e-3 ? 0 : 1;
+    const bool atKnee = surface.GetType() == GeomAbs_Plane && high[2] - low[2] > 0.5 &&
+                        std::abs(low[0] - 1.1) < 1e-3 && std::abs(low[1] - 1.1) < 1e-3;
+    if (!atKnee) {
+      faces.push_back(face);
+      continue;
+    }
+    ++uncut;
+    const gp_Pnt corner(across == 0 ? 1.1 : 0.8, across == 0 ? 0.8 : 1.1, low[2]);
+    const gp_Ax3 frame(corner, gp_Dir(across == 0 ? 1 : 0, across == 0 ? 0 : 1, 0),
+                       gp_Dir(across == 0 ? 0 : 1, across == 0 ? 1 : 0, 0));
+    const double length = high[1 - across] - 0.8;
+    const double height = high[2] - low[2];
+    const bool up = frame.YDirection().Z() > 0;
+    faces.push_back(
+        BRepBuilderAPI_MakeFace(gp_Pln(frame), 0, length, up ? 0 : -height, up ? height : 0)
+            .Face());
+  }
+  ASSERT_EQ(uncut, 2);
+  const auto judge = [&](const std::vector<TopoDS_Face>& pieces) {
+    return judgeFaces(pieces, true, d, 1e-5, phi);
+  };
+  const RepairRequest request{{d, diagonal, 0}, 0, 1e-5, judge};
+  const auto repaired = repairPieces(judge(faces), request, phi, {60, 2000});
+  ASSERT_TRUE(repaired) << repaired.error().message;
+  EXPECT_EQ(repaired->facetedFaces, 0);
+  GProp_GProps is;
+  GProp_GProps should;
+  BRepGProp::VolumeProperties(repaired->shape, is);
+  BRepGProp::VolumeProperties(exact->shape, should);
+  EXPECT_NEAR(is.Mass(), should.Mass(), 1e-4 * should.Mass());
 }
 
 // Roundings of tiny distances are divided as the deflection asks, not finer: along an edge of many
