@@ -163,6 +163,14 @@ TEST(TrueDistance, FeetOnBothSidesOfAnAxis) {
     EXPECT_NEAR(foot.distance, d, 1e-9);
     EXPECT_NEAR((foot.point - Vec3(0.1, 0, 0.95)).norm(), 0, 1e-6);
   }
+  // Inside a cone the foot is on the base or on the point's own side of the slope.
+  const TrueDistance tall = exactDistance(test::cone(5, 12), 0.02);
+  for (const Vec3& x : randomPoints(400, {-4, -4, 0}, {4, 4, 12})) {
+    const double depth = std::min(x[2], (5 * (1 - x[2] / 12) - x.head<2>().norm()) * 12 / 13);
+    if (depth > 0) {
+      EXPECT_NEAR(tall.signedDistance(x), -depth, 1e-9) << x.transpose();
+    }
+  }
   const Handle(Geom_ToroidalSurface) spindle = new Geom_ToroidalSurface(gp_Ax3(), 1, 3);
   const TopoDS_Face barrel =
       BRepBuilderAPI_MakeFace(spindle, 0, 2 * std::numbers::pi, 2.2, 4.0, 1e-7).Face();

@@ -54,13 +54,13 @@ SurfaceType typeOf(GeomAbs_SurfaceType type) {
   }
 }
 
-// ElSLib picks one side of the axis: for a cone by which nappe a point is level with, though beyond
-// the apex the foot may well be on the first; for a torus that crosses its axis always the point's
-// own. The foot wanted is that next to `near`.
+// ElSLib looks for the foot on one side of the axis: of a cone by which nappe a point is level
+// with, though beyond the apex the foot may well be on the first; of a torus that crosses its axis
+// always on the point's own. The foot wanted is on the part of the surface where the face is.
 
-void coneParameters(const gp_Cone& cone, const gp_Pnt& p, const gp_Pnt& near, double& u,
-                    double& v) {
+void coneParameters(const gp_Cone& cone, const gp_Pnt& p, double vOfFace, double& u, double& v) {
   ElSLib::Parameters(cone, p, u, v);
+  const auto radius = [&](double at) { return cone.RefRadius() + at * std::sin(cone.SemiAngle()); };
   const double across = u + std::numbers::pi;
   // Along the generator on the other side.
   gp_Pnt from;
@@ -68,24 +68,35 @@ void coneParameters(const gp_Cone& cone, const gp_Pnt& p, const gp_Pnt& near, do
   gp_Vec dv;
   ElSLib::D1(across, 0, cone, from, du, dv);
   const double vAcross = gp_Vec(from, p).Dot(dv);
-  if (ElSLib::Value(across, vAcross, cone).SquareDistance(near) <
-      ElSLib::Value(u, v, cone).SquareDistance(near)) {
+  const double nappe = radius(vOfFace);
+  const bool here = radius(v) * nappe >= 0;
+  const bool there = radius(vAcross) * nappe >= 0;
+  const bool nearer = ElSLib::Value(across, vAcross, cone).SquareDistance(p) <
+                      ElSLib::Value(u, v, cone).SquareDistance(p);
+  if (there && (!here || nearer)) {
     u = across;
     v = vAcross;
   }
 }
 
-void torusParameters(const gp_Torus& torus, const gp_Pnt& p, const gp_Pnt& near, double& u,
+void torusParameters(const gp_Torus& torus, const gp_Pnt& p, double vLow, double vHigh, double& u,
                      double& v) {
   ElSLib::Parameters(torus, p, u, v);
   if (torus.MajorRadius() > torus.MinorRadius()) return;
+  constexpr double kTurn = 2 * std::numbers::pi;
+  const auto inFace = [&](double at) {
+    return at + kTurn * std::ceil((vLow - at) / kTurn) <= vHigh;
+  };
   const gp_Vec arm(torus.Location(), p);
   const double along = arm.Dot(gp_Vec(torus.Axis().Direction()));
   const double away = std::sqrt(std::max(0.0, arm.SquareMagnitude() - along * along));
   const double across = u + std::numbers::pi;
   const double vAcross = std::atan2(along, -away - torus.MajorRadius());
-  if (ElSLib::Value(across, vAcross, torus).SquareDistance(near) <
-      ElSLib::Value(u, v, torus).SquareDistance(near)) {
+  const bool here = inFace(v);
+  const bool there = inFace(vAcross);
+  const bool nearer = ElSLib::Value(across, vAcross, torus).SquareDistance(p) <
+                      ElSLib::Value(u, v, torus).SquareDistance(p);
+  if (there && (!here || nearer)) {
     u = across;
     v = vAcross;
   }
@@ -153,13 +164,13 @@ SurfaceFoot FaceSurface::foot(const Vec3& x, double tolerance, Eigen::Vector2d s
       ElSLib::Parameters(adaptor_.Cylinder(), p, u, v);
       break;
     case SurfaceType::Cone:
-      coneParameters(adaptor_.Cone(), p, adaptor_.Value(start.x(), start.y()), u, v);
+      coneParameters(adaptor_.Cone(), p, 0.5 * (faceLow_.y() + faceHigh_.y()), u, v);
       break;
     case SurfaceType::Sphere:
       ElSLib::Parameters(adaptor_.Sphere(), p, u, v);
       break;
     default:
-      torusParameters(adaptor_.Torus(), p, adaptor_.Value(start.x(), start.y()), u, v);
+      torusParameters(adaptor_.Torus(), p, faceLow_.y(), faceHigh_.y(), u, v);
       break;
   }
   // The parameters come in the principal period; bring them next to the start.
