@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -29,6 +30,9 @@ constexpr double kApproximation = 1e-6;
 /// times as much.
 constexpr double kDoubt = 5e-3;
 constexpr double kRepairMemoryMiB = 2000;
+constexpr double kRepairShare = 0.3;  // of the time limit: when no more is spent there is a repair
+
+using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
@@ -37,6 +41,7 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   if (!std::isfinite(distance) || distance == 0) {
     return fail(ErrorCode::InvalidArgument, "the distance must be a number other than 0");
   }
+  const Clock::time_point start = Clock::now();
   AttemptResult result;
   const double diagonal = diagonalOf(body);
   HealedShape healed = heal(body, {.tolerance = 1e-5 * diagonal, .unify = setting.unifyInput});
@@ -92,7 +97,10 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     assembly = assembleSheet(judged, options, phi);
   else if (!setting.alwaysRepair)
     assembly = assembleSolids(judged, options, phi);
-  if (solid && setting.repairSeconds > 0 && !isSound(assembly, std::abs(distance))) {
+  // What took long would do so again: the time is better spent on the next setting.
+  const double spent = std::chrono::duration<double>(Clock::now() - start).count();
+  const bool inTime = spent < kRepairShare * setting.timeLimit;
+  if (solid && setting.repairSeconds > 0 && inTime && !isSound(assembly, std::abs(distance))) {
     const RepairRequest request{options, setting.fuzzy * diagonal, levelTolerance, judgedOf};
     Result<Assembly> repaired =
         repairPieces(judged, request, phi, {setting.repairSeconds, kRepairMemoryMiB});
