@@ -16,7 +16,6 @@
 #include <Precision.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
-#include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Vertex.hxx>
@@ -29,6 +28,7 @@
 #include <optional>
 
 #include "patches/patch_tools.h"
+#include "rebuild/edge_uses.h"
 
 namespace phront::cad {
 namespace {
@@ -55,20 +55,10 @@ Vec3 toVec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 using Loop = std::vector<TopoDS_Edge>;  // oriented along the loop
 
 std::vector<TopoDS_Edge> openEdges(const std::vector<TopoDS_Face>& faces) {
-  TopTools_IndexedMapOfShape edges;
-  std::vector<int> uses;
-  for (const TopoDS_Face& face : faces) {
-    for (const TopoDS_Edge& edge : edgesOf(face)) {
-      if (BRep_Tool::Degenerated(edge)) continue;
-      const auto index = static_cast<std::size_t>(edges.Add(edge));
-      if (uses.size() < index) uses.push_back(0);
-      ++uses[index - 1];
-    }
-  }
+  const EdgeUses uses(faces);
   std::vector<TopoDS_Edge> open;
-  for (std::size_t i = 0; i < uses.size(); ++i) {
-    if (uses[i] == 1) open.push_back(TopoDS::Edge(edges(static_cast<int>(i) + 1)));
-  }
+  for (std::size_t e = 0; e < uses.faces.size(); ++e)
+    if (uses.faces[e].size() == 1) open.push_back(uses.edge(e));
   return open;
 }
 

@@ -22,6 +22,7 @@
 #include <map>
 
 #include "patches/patch_tools.h"
+#include "rebuild/edge_uses.h"
 
 namespace phront::cad {
 namespace {
@@ -185,20 +186,13 @@ int settleDoubtful(std::vector<JudgedFace>& faces, double doubt) {
 }
 
 std::vector<TopoDS_Edge> openEdges(const std::vector<JudgedFace>& faces) {
-  TopTools_IndexedMapOfShape edges;
-  std::vector<int> uses;
-  for (const JudgedFace& j : faces) {
-    if (!j.live) continue;
-    for (const TopoDS_Edge& edge : edgesOf(j.face)) {
-      if (BRep_Tool::Degenerated(edge)) continue;
-      const auto index = static_cast<std::size_t>(edges.Add(edge));
-      if (uses.size() < index) uses.push_back(0);
-      ++uses[index - 1];
-    }
-  }
+  std::vector<TopoDS_Face> live;
+  for (const JudgedFace& j : faces)
+    if (j.live) live.push_back(j.face);
+  const EdgeUses uses(live);
   std::vector<TopoDS_Edge> open;
-  for (std::size_t i = 0; i < uses.size(); ++i)
-    if (uses[i] != 2) open.push_back(TopoDS::Edge(edges(static_cast<int>(i) + 1)));
+  for (std::size_t e = 0; e < uses.faces.size(); ++e)
+    if (uses.faces[e].size() != 2) open.push_back(uses.edge(e));
   return open;
 }
 

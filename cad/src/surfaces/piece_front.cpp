@@ -127,7 +127,7 @@ void PieceFront::sampleInside(int least, bool beyond) {
       Node node{low_ + share.cwiseProduct(high_ - low_)};
       node.inside = inFace(node.at);
       node.valid = valid(node.at);
-      if (node.inside) ++(node.valid ? valid_ : invalid_);
+      if (node.inside && node.valid) ++valid_;
       nodes.push_back(node);
     }
   }

@@ -51,7 +51,6 @@ class PieceFront {
   void sampleInside(int least, bool beyond = true);
   void sampleLoops();
   [[nodiscard]] int validSamples() const { return valid_; }
-  [[nodiscard]] int invalidSamples() const { return invalid_; }
   [[nodiscard]] std::vector<ContourSeed>& seeds() { return seeds_; }
 
   /// Adds the lines through the seeds that are not there yet; or all lines, by a grid.
@@ -75,7 +74,6 @@ class PieceFront {
   double meshSlack_ = 0;
   std::vector<ContourSeed> seeds_;
   int valid_ = 0;
-  int invalid_ = 0;
 };
 
 }  // namespace phront::cad
