@@ -14,6 +14,7 @@
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
 #include "judge/check_body.h"
+#include "judge/exchange_fault.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/attempt_runner.h"
 #include "surfaces/face_offsets.h"
@@ -73,9 +74,16 @@ Result<SheetAttempt> sheetOfFaces(const Body& body, const Body& healed,
     (exact ? made.exactFaces : made.fittedFaces) += offset.report.surfaces;
     all.insert(all.end(), offset.faces.begin(), offset.faces.end());
   }
-  if (!all.empty())
-    made.bodies =
-        bodiesOf(sewn(all, kSewingShare * *options.tolerance), BodyKind::Sheet, body.name);
+  if (!all.empty()) {
+    const double tolerance = kSewingShare * *options.tolerance;
+    made.bodies = bodiesOf(sewn(all, tolerance), BodyKind::Sheet, body.name);
+    Model out;
+    out.bodies = made.bodies;
+    const double diagonal = phi.surface().box().diagonal().norm();
+    // Sewing moves edges; what does not survive a file is better left apart.
+    if (!exchangeFault(out, usualMeshSize({diagonal, options.distance, false})).empty())
+      made.bodies = bodiesOf(compoundOf(all), BodyKind::Sheet, body.name);
+  }
   made.check = checkBody(body, made.bodies, options,
                          deadline.forStep(1, kLeastCheckSeconds, kMostCheckSeconds));
   return made;
