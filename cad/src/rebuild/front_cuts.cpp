@@ -18,8 +18,8 @@
 namespace phront::cad {
 namespace {
 
-constexpr double kTolerance = 8e-4;  // of |d|, of the lines; that they are on the line: see below
-constexpr double kNoiseShare = 2.5;  // the tolerance, of the noise of the pieces
+constexpr double kTolerance = 8e-4;  // of |d|, at which lines are followed before they are moved
+constexpr double kNoiseShare = 2.5;  // times the noise of the pieces: at least
 constexpr double kNear = 0.05;       // of |d|: pieces this near to an open edge are looked at
 constexpr int kSamples = 16;         // per direction
 constexpr double kPitch = 1;         // |d|, between points that are looked at first

@@ -22,7 +22,8 @@ struct OffsetOptions {
   double timeLimit = 75;
 };
 
-/// How the faces of a body's offset came about.
+/// How the faces of a body's offset came about. Exact: on offset surfaces, exact or fitted; Faceted:
+/// some or all faces are planar triangles in place of curved ones.
 enum class OffsetKind { Exact, Faceted, Empty, Failed };
 
 struct BodyReport {
@@ -30,7 +31,7 @@ struct BodyReport {
   OffsetKind kind = OffsetKind::Failed;
   int inputFaces = 0;
   int exactFaces = 0;                 ///< result faces on exact offset surfaces
-  int fittedFaces = 0;                ///< result faces fitted where exact patches left a gap
+  int fittedFaces = 0;                ///< result faces fitted: in gaps, or freeform ones of sheets
   int facetedFaces = 0;               ///< planar facets that stand in for curved offset surfaces
   int solids = 0;                     ///< result solids
   std::string setting;                ///< which attempt the judge accepted
