@@ -86,6 +86,21 @@ TEST(FillHole, LoopsOfOneHoleAreJoined) {
   EXPECT_NEAR(areaOf(*fill), polygon(24, 2) - polygon(12, 1), 1e-9);
 }
 
+TEST(LeastAreaTriangles, NoNeedlesWhereCornersLieInLine) {
+  const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}};
+  const auto triangles = leastAreaTriangles({0, 1, 2, 3, 4}, points, Needles::Avoided);
+  ASSERT_EQ(triangles.size(), 3U);
+  double sum = 0;
+  for (const auto& [a, b, c] : triangles) {
+    const Vec3 area = 0.5 * (points[b] - points[a]).cross(points[c] - points[a]);
+    EXPECT_GT(area[2], 0.1) << "a needle";
+    sum += area[2];
+  }
+  EXPECT_NEAR(sum, 4, 1e-12);
+  EXPECT_TRUE(leastAreaTriangles({0, 1}, points, Needles::Allowed).empty());
+  EXPECT_TRUE(leastAreaTriangles({0, 1, 0}, points, Needles::Allowed).empty());
+}
+
 TEST(FillHole, BadHolesAreRefused) {
   const FillOptions options{.tolerance = 0.1, .longestSide = 1};
   const auto code = [&](const std::vector<std::vector<Vec3>>& loops, const FillOptions& with) {

@@ -12,7 +12,7 @@
 #include <map>
 #include <numeric>
 
-#include "tessellate/fill_hole.h"
+#include "tessellate/triangulate_loop.h"
 
 namespace phront::cad {
 namespace {

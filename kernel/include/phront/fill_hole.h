@@ -11,6 +11,15 @@
 
 namespace phront {
 
+enum class Needles { Allowed, Avoided };  ///< avoided where other triangles would do
+
+/// The n - 2 triangles of least total area over a closed polygon in space, by dynamic programming
+/// (Barequet & Sharir 1995), O(n^3). `polygon`: numbers of its corners in `points`; one may come
+/// twice. Corners of the triangles run as the polygon does. Empty for n < 3 and where there are
+/// none (numbers that are not finite, corners that come twice in every triangle).
+[[nodiscard]] std::vector<std::array<Index, 3>> leastAreaTriangles(
+    const std::vector<Index>& polygon, const std::vector<Vec3>& points, Needles needles);
+
 /// The point of the surface next to x; empty where there is none.
 using ToSurface = std::function<std::optional<Vec3>(const Vec3& x)>;
 
@@ -31,7 +40,7 @@ struct HoleFill {
 /// joined by bridges), then finer where it is off the surface (Liepa, "Filling holes in meshes",
 /// 2003, with points taken to the surface in place of fairing). Sides of the loops are not divided.
 /// Fails with InvalidArgument (fewer than three corners, bad numbers), ResourceLimit (more than 600
-/// corners).
+/// corners), Failed (no triangles).
 [[nodiscard]] Result<HoleFill> fillHole(const std::vector<std::vector<Vec3>>& loops,
                                         const ToSurface& toSurface, const FillOptions& options);
 

@@ -25,7 +25,7 @@ using Polygon = std::vector<Index>;
 
 Vec3 areaNormal(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a); }
 
-bool needle(const Vec3& a, const Vec3& b, const Vec3& c) {
+bool isNeedle(const Vec3& a, const Vec3& b, const Vec3& c) {
   const double sides = (a - b).squaredNorm() + (b - c).squaredNorm() + (c - a).squaredNorm();
   return !(areaNormal(a, b, c).norm() > kThin * sides);
 }
@@ -67,52 +67,6 @@ Polygon joined(const std::vector<Polygon>& loops, const std::vector<Vec3>& point
   return polygon;
 }
 
-/// Triangles of least area over a polygon, by dynamic programming (Barequet & Sharir 1995).
-std::vector<Triangle> leastArea(const Polygon& polygon, const std::vector<Vec3>& points) {
-  const std::size_t n = polygon.size();
-  const auto at = [&](std::size_t i) { return points[static_cast<std::size_t>(polygon[i])]; };
-  Box3 box;
-  for (std::size_t i = 0; i < n; ++i) box.extend(at(i));
-  const double penalty = kThinPenalty * box.diagonal().squaredNorm();
-  const auto cost = [&](std::size_t i, std::size_t j, std::size_t k) {
-    if (polygon[i] == polygon[j] || polygon[j] == polygon[k] || polygon[i] == polygon[k])
-      return std::numeric_limits<double>::infinity();
-    const double area = areaNormal(at(i), at(j), at(k)).norm();
-    return needle(at(i), at(j), at(k)) ? penalty : area;
-  };
-  std::vector<double> best(n * n, 0);
-  std::vector<std::size_t> middle(n * n, 0);
-  for (std::size_t span = 2; span < n; ++span) {
-    for (std::size_t i = 0; i + span < n; ++i) {
-      const std::size_t k = i + span;
-      double least = std::numeric_limits<double>::infinity();
-      middle[i * n + k] = i + 1;
-      for (std::size_t j = i + 1; j < k; ++j) {
-        const double rest = best[i * n + j] + best[j * n + k];
-        if (rest >= least) continue;
-        const double sum = rest + cost(i, j, k);
-        if (sum < least) {
-          least = sum;
-          middle[i * n + k] = j;
-        }
-      }
-      best[i * n + k] = least;
-    }
-  }
-  std::vector<Triangle> triangles;
-  std::vector<std::pair<std::size_t, std::size_t>> open{{0, n - 1}};
-  while (!open.empty()) {
-    const auto [i, k] = open.back();
-    open.pop_back();
-    if (k < i + 2) continue;
-    const std::size_t j = middle[i * n + k];
-    triangles.push_back({polygon[i], polygon[j], polygon[k]});
-    open.emplace_back(i, j);
-    open.emplace_back(j, k);
-  }
-  return triangles;
-}
-
 /// The patch while it is made finer.
 class Patch {
  public:
@@ -147,7 +101,7 @@ class Patch {
 
   [[nodiscard]] const Vec3& at(Index p) const { return points_[static_cast<std::size_t>(p)]; }
   [[nodiscard]] bool isNeedle(const Triangle& t) const {
-    return needle(at(t[0]), at(t[1]), at(t[2]));
+    return phront::isNeedle(at(t[0]), at(t[1]), at(t[2]));
   }
   [[nodiscard]] Vec3 normalOf(const Triangle& t) const {
     return areaNormal(at(t[0]), at(t[1]), at(t[2]));
@@ -347,6 +301,53 @@ class Patch {
 
 }  // namespace
 
+std::vector<Triangle> leastAreaTriangles(const Polygon& polygon, const std::vector<Vec3>& points,
+                                         Needles needles) {
+  const std::size_t n = polygon.size();
+  const auto at = [&](std::size_t i) { return points[static_cast<std::size_t>(polygon[i])]; };
+  Box3 box;
+  for (std::size_t i = 0; i < n; ++i) box.extend(at(i));
+  const double penalty = kThinPenalty * box.diagonal().squaredNorm();
+  const auto cost = [&](std::size_t i, std::size_t j, std::size_t k) {
+    if (polygon[i] == polygon[j] || polygon[j] == polygon[k] || polygon[i] == polygon[k])
+      return std::numeric_limits<double>::infinity();
+    const double area = areaNormal(at(i), at(j), at(k)).norm();
+    return needles == Needles::Avoided && isNeedle(at(i), at(j), at(k)) ? penalty : area;
+  };
+  std::vector<double> best(n * n, 0);
+  std::vector<std::size_t> middle(n * n, 0);
+  for (std::size_t span = 2; span < n; ++span) {
+    for (std::size_t i = 0; i + span < n; ++i) {
+      const std::size_t k = i + span;
+      double least = std::numeric_limits<double>::infinity();
+      middle[i * n + k] = i + 1;
+      for (std::size_t j = i + 1; j < k; ++j) {
+        const double rest = best[i * n + j] + best[j * n + k];
+        if (rest >= least) continue;
+        const double sum = rest + cost(i, j, k);
+        if (sum < least) {
+          least = sum;
+          middle[i * n + k] = j;
+        }
+      }
+      best[i * n + k] = least;
+    }
+  }
+  if (n < 3 || !std::isfinite(best[n - 1])) return {};
+  std::vector<Triangle> triangles;
+  std::vector<std::pair<std::size_t, std::size_t>> open{{0, n - 1}};
+  while (!open.empty()) {
+    const auto [i, k] = open.back();
+    open.pop_back();
+    if (k < i + 2) continue;
+    const std::size_t j = middle[i * n + k];
+    triangles.push_back({polygon[i], polygon[j], polygon[k]});
+    open.emplace_back(i, j);
+    open.emplace_back(j, k);
+  }
+  return triangles;
+}
+
 Result<HoleFill> fillHole(const std::vector<std::vector<Vec3>>& loops, const ToSurface& toSurface,
                           const FillOptions& options) {
   if (!(options.tolerance > 0) || !(options.longestSide > 0) || options.maxTriangles < 1)
@@ -373,7 +374,10 @@ Result<HoleFill> fillHole(const std::vector<std::vector<Vec3>>& loops, const ToS
                 fmt::format("A hole has {} corners, more than the {} that its least area can be "
                             "found for.",
                             points.size(), kMostCorners));
-  std::vector<Triangle> triangles = leastArea(joined(polygons, points), points);
+  std::vector<Triangle> triangles =
+      leastAreaTriangles(joined(polygons, points), points, Needles::Avoided);
+  if (triangles.empty())
+    return fail(ErrorCode::Failed, "The corners of a hole have no triangles over them.");
   return Patch(std::move(points), std::move(triangles), toSurface, options).run();
 }
 
