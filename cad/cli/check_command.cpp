@@ -1,12 +1,14 @@
-// phront check OUT --against IN -d D
+// phront check OUT --against IN -d D, or -t T --open FACE,...
 #include <fmt/format.h>
 
 #include <cmath>
 #include <memory>
 
+#include "body_reports.h"
 #include "cli.h"
 #include "phront/cad/check.h"
 #include "phront/cad/exchange.h"
+#include "shell_wish.h"
 
 namespace phront::cli {
 namespace {
@@ -15,24 +17,27 @@ struct CheckArguments {
   std::filesystem::path out;
   std::filesystem::path in;
   std::string distance;
+  ShellWish shell;  ///< of a shell: no distance then
   CommonOptions common;
 };
 
-void print(const cad::CheckResult& check, double distance) {
-  const double d = std::abs(distance);
+/// `wanted`: what OUT should be; `d`: the length that deviations are percentages of.
+void print(const cad::CheckResult& check, double d, bool shell, const std::string& wanted) {
+  const char* of = shell ? "t" : "d";
   const auto line = [&](const char* name, double p99, double largest) {
-    fmt::print("{:<10} 99 % within {:.4g} mm ({:.3g} % of d), largest {:.4g} mm ({:.3g} % of d)\n",
-               name, p99, 100 * p99 / d, largest, 100 * largest / d);
+    fmt::print(
+        "{:<10} 99 % within {:.4g} mm ({:.3g} % of {}), largest {:.4g} mm ({:.3g} % of {})\n", name,
+        p99, 100 * p99 / d, of, largest, 100 * largest / d, of);
   };
   fmt::print("{} solid(s), {} shell(s), {} face(s), volume {:.8g} mm3, {}, {}\n", check.solids,
              check.shells, check.faces, check.volume, check.valid ? "valid" : "NOT valid",
              check.closed ? "closed" : "NOT closed");
-  line("deviation", check.accuracyP99, check.accuracyMax);
+  line(shell ? "thickness" : "deviation", check.accuracyP99, check.accuracyMax);
   line("coverage", check.coverageP99, check.coverageMax);
-  fmt::print("{:.4g} % of the area on the right side, {:.4g} % where the result overlaps itself\n",
-             100 * check.rightSide, 100 * check.buried);
+  if (!shell) fmt::print("{:.4g} % of the area on the right side\n", 100 * check.rightSide);
+  fmt::print("{:.4g} % of the area where the result overlaps itself\n", 100 * check.buried);
   if (check.pass()) {
-    fmt::print("PASS: OUT is the offset of IN by {:g} mm\n", distance);
+    fmt::print("PASS: OUT is {}\n", wanted);
     return;
   }
   for (const std::string& reason : check.reasons) fmt::print("FAIL: {}\n", reason);
@@ -40,26 +45,39 @@ void print(const cad::CheckResult& check, double distance) {
 
 int runCheck(const CheckArguments& arguments) {
   const CommonOptions& common = arguments.common;
-  const Result<double> distance = parseLength(arguments.distance, common.unit);
-  if (!distance) return reportError(distance.error());
-  cad::CheckOptions options;
-  options.distance = *distance;
-  if (!common.tolerance.empty()) {
-    const Result<double> tolerance = parseLength(common.tolerance, common.unit);
-    if (!tolerance) return reportError(tolerance.error());
-    if (!(*tolerance > 0)) return reportUsage("the tolerance must be positive");
-    options.tolerance = *tolerance;
-  }
+  const bool shell = !arguments.shell.thickness.empty();
+  if (shell == !arguments.distance.empty())
+    return reportUsage("say what OUT should be: an offset (-d) or a shell (-t)");
+  if (!shell && !arguments.shell.open.empty())
+    return reportUsage("--open belongs to shells: give their thickness (-t)");
+  const Result<double> length =
+      parseLength(shell ? arguments.shell.thickness : arguments.distance, common.unit);
+  if (!length) return reportError(length.error());
+  const Result<std::optional<double>> tolerance = toleranceOf(common);
+  if (!tolerance) return reportError(tolerance.error());
   const Result<cad::Model> in = cad::readModel(arguments.in);
   if (!in) return reportError(in.error());
   cad::ReadOptions asWritten;
   asWritten.repair = false;  // the judged file is taken as it is
   const Result<cad::Model> out = cad::readModel(arguments.out, asWritten);
   if (!out) return reportError(out.error());
-  const Result<cad::CheckResult> check = cad::checkOffset(*in, *out, options, makeProgress(common));
-  endProgress(common);
+  Result<cad::CheckResult> check;
+  if (shell) {
+    Result<cad::ShellOptions> options = resolve(arguments.shell, *in, common);
+    if (!options) return reportError(options.error());
+    check = cad::checkShell(*in, *out, *options);
+  } else {
+    cad::CheckOptions options;
+    options.distance = *length;
+    options.tolerance = *tolerance;
+    check = cad::checkOffset(*in, *out, options, makeProgress(common));
+    endProgress(common);
+  }
   if (!check) return reportError(check.error());
-  if (common.report != "-" && !common.quiet) print(*check, *distance);
+  if (common.report != "-" && !common.quiet)
+    print(*check, std::abs(*length), shell,
+          shell ? fmt::format("the shell of IN, {:g} mm thick", *length)
+                : fmt::format("the offset of IN by {:g} mm", *length));
   if (const Result<void> ok = writeReport(jsonOf(*check), common); !ok)
     return reportError(ok.error());
   if (const Result<void> ok = drawModels(*in, arguments.in.filename().string(), *out,
@@ -73,11 +91,12 @@ int runCheck(const CheckArguments& arguments) {
 
 void addCheckCommand(CLI::App& app, int& exitCode) {
   CLI::App* command = app.add_subcommand(
-      "check", "Measure whether OUT is the offset of IN: validity, deviation, coverage");
+      "check", "Measure whether OUT is the offset (or shell) of IN: validity, deviation, coverage");
   auto arguments = std::make_shared<CheckArguments>();
   command->add_option("OUT", arguments->out, "The offset to judge")->required();
   command->add_option("--against", arguments->in, "The part it was made from")->required();
-  command->add_option("-d,--distance", arguments->distance, "Signed distance")->required();
+  command->add_option("-d,--distance", arguments->distance, "Signed distance of an offset");
+  addShellWish(*command, arguments->shell);
   addCommonOptions(*command, arguments->common);
   command->callback([arguments, &exitCode] { exitCode = runCheck(*arguments); });
 }

@@ -86,6 +86,7 @@ void appendMesh(TriMesh& all, const TriMesh& part);
 
 /// Sub-commands: each adds itself to the app and sets `exitCode` when it ran.
 void addOffsetCommand(CLI::App& app, int& exitCode);
+void addShellCommand(CLI::App& app, int& exitCode);
 void addInfoCommand(CLI::App& app, int& exitCode);
 void addFieldCommand(CLI::App& app, int& exitCode);
 void addCheckCommand(CLI::App& app, int& exitCode);

@@ -12,6 +12,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   int exitCode = kDone;
   addOffsetCommand(app, exitCode);
+  addShellCommand(app, exitCode);
   addInfoCommand(app, exitCode);
   addFieldCommand(app, exitCode);
   addCheckCommand(app, exitCode);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 
+#include "body_reports.h"
 #include "cli.h"
 #include "offset_drawing.h"
 #include "offset_mesh.h"
@@ -26,71 +27,20 @@ struct OffsetArguments {
   CommonOptions common;
 };
 
-const char* wordFor(cad::OffsetKind kind) {
-  switch (kind) {
-    case cad::OffsetKind::Exact:
-      return "exact";
-    case cad::OffsetKind::Faceted:
-      return "faceted";
-    case cad::OffsetKind::Empty:
-      return "empty";
-    case cad::OffsetKind::Failed:
-      break;
-  }
-  return "failed";
-}
-
 nlohmann::json jsonOf(const cad::OffsetReport& report) {
-  nlohmann::json bodies = nlohmann::json::array();
-  for (const cad::BodyReport& body : report.bodies)
-    bodies.push_back({{"name", body.name},
-                      {"kind", wordFor(body.kind)},
-                      {"input_faces", body.inputFaces},
-                      {"exact_faces", body.exactFaces},
-                      {"fitted_faces", body.fittedFaces},
-                      {"faceted_faces", body.facetedFaces},
-                      {"solids", body.solids},
-                      {"setting", body.setting},
-                      {"attempts", body.attempts},
-                      {"check", cli::jsonOf(body.check)}});
-  nlohmann::json times = nlohmann::json::object();
-  for (const cad::StageTime& time : report.times) times[time.stage] = time.seconds;
   return {{"distance_mm", report.options.distance},
           {"tolerance_mm", report.options.tolerance.value_or(0)},
-          {"bodies", bodies},
+          {"bodies", cli::jsonOf(report.bodies)},
           {"check", cli::jsonOf(report.check)},
           {"warnings", report.warnings},
-          {"seconds", times}};
-}
-
-void say(const OffsetArguments& arguments, const std::string& sentence) {
-  if (!arguments.common.quiet) fmt::print(stderr, "{}\n", sentence);
-}
-
-void sayDetails(const OffsetArguments& arguments, const cad::OffsetReport& report) {
-  if (!arguments.common.verbose) return;
-  for (const cad::BodyReport& body : report.bodies)
-    for (const std::string& attempt : body.attempts) say(arguments, "  " + attempt);
-  for (const cad::StageTime& time : report.times)
-    say(arguments, fmt::format("  {:<16}{:8.2f} s", time.stage, time.seconds));
+          {"seconds", cli::jsonOf(report.times)}};
 }
 
 std::string summaryOf(const cad::OffsetReport& report) {
-  int exact = 0;
-  int fitted = 0;
-  int faceted = 0;
-  for (const cad::BodyReport& body : report.bodies) {
-    exact += body.exactFaces;
-    fitted += body.fittedFaces;
-    faceted += body.facetedFaces;
-  }
   const cad::CheckResult& check = report.check;
   const bool solid = check.solids > 0;
-  std::string text = solid ? fmt::format("{} solid(s), {} exact faces", check.solids, exact)
-                           : fmt::format("a sheet of {} exact faces", exact);
-  if (fitted > 0)
-    text += fmt::format(", {} fitted faces{}", fitted, solid ? " where exact ones left a gap" : "");
-  if (faceted > 0) text += fmt::format(", {} planar facets in place of curved faces", faceted);
+  std::string text = solid ? fmt::format("{} solid(s), ", check.solids) : "a sheet of ";
+  text += facesOf(report.bodies, solid);
   if (solid) text += fmt::format(", volume {:.6g} mm3", check.volume);
   const double d = std::abs(report.options.distance);
   text += fmt::format(
@@ -104,13 +54,13 @@ std::string summaryOf(const cad::OffsetReport& report) {
 int finish(const OffsetArguments& arguments, const cad::Model& in, cad::OffsetResult& result) {
   const cad::OffsetReport& report = result.report;
   if (result.model.bodies.empty() && result.accepted()) {
-    say(arguments, "the part is thinner than 2|d| everywhere: its offset is empty");
-    sayDetails(arguments, report);
+    say(arguments.common, "the part is thinner than 2|d| everywhere: its offset is empty");
+    sayDetails(arguments.common, report.bodies, report.times);
     const Result<void> written = writeReport(jsonOf(report), arguments.common);
     return written ? kDone : reportError(written.error());
   }
   if (result.model.bodies.empty()) {
-    sayDetails(arguments, report);
+    sayDetails(arguments.common, report.bodies, report.times);
     (void)writeReport(jsonOf(report), arguments.common);
     return reportError(
         {ErrorCode::Failed, "no offset could be made: " + report.check.reasons.front(), {}});
@@ -118,7 +68,7 @@ int finish(const OffsetArguments& arguments, const cad::Model& in, cad::OffsetRe
   const Result<std::filesystem::path> written =
       cad::writeOffset(in, result, arguments.out, arguments.common.keep);
   if (!written) return reportError(written.error());
-  sayDetails(arguments, report);
+  sayDetails(arguments.common, report.bodies, report.times);
   for (const auto& step :
        {writeReport(jsonOf(report), arguments.common),
         drawModels(in, arguments.in.filename().string(), result.model,
@@ -126,7 +76,7 @@ int finish(const OffsetArguments& arguments, const cad::Model& in, cad::OffsetRe
     if (!step) return reportError(step.error());
   }
   if (result.accepted()) {
-    say(arguments, fmt::format("{}: {}", written->string(), summaryOf(report)));
+    say(arguments.common, fmt::format("{}: {}", written->string(), summaryOf(report)));
     return kDone;
   }
   return reportError({ErrorCode::OutOfTolerance,
@@ -143,12 +93,9 @@ int runOffset(const OffsetArguments& arguments) {
   options.distance = *distance;
   options.threads = arguments.common.threads;
   options.timeLimit = arguments.timeLimit;
-  if (!arguments.common.tolerance.empty()) {
-    const Result<double> tolerance = parseLength(arguments.common.tolerance, arguments.common.unit);
-    if (!tolerance) return reportError(tolerance.error());
-    if (!(*tolerance > 0)) return reportUsage("the tolerance must be positive");
-    options.tolerance = *tolerance;
-  }
+  const Result<std::optional<double>> tolerance = toleranceOf(arguments.common);
+  if (!tolerance) return reportError(tolerance.error());
+  options.tolerance = *tolerance;
   if (const Result<void> ok = checkOutputPath(arguments.out, arguments.in); !ok)
     return reportError(ok.error());
   if (isDrawingPath(arguments.in) || isDrawingPath(arguments.out)) {
@@ -177,7 +124,7 @@ int runOffset(const OffsetArguments& arguments) {
   }
   const Result<cad::Model> model = cad::readModel(arguments.in);
   if (!model) return reportError(model.error());
-  for (const std::string& warning : model->warnings) say(arguments, "warning: " + warning);
+  for (const std::string& warning : model->warnings) say(arguments.common, "warning: " + warning);
   if (meshOut)
     return offsetModelToMesh(*model, arguments.in, arguments.out, *distance, arguments.parametric,
                              options.tolerance, arguments.common);

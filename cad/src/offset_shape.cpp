@@ -6,18 +6,18 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
-#include <system_error>
 
 #include <TopLoc_Location.hxx>
 #include <TopoDS_Shape.hxx>
 
+#include "add_times.h"
 #include "deadline.h"
 #include "judge/check_body.h"
-#include "phront/cad/exchange.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/body_offset.h"
 #include "rebuild/near_bodies.h"
 #include "request.h"
+#include "write_checked.h"
 
 namespace phront::cad {
 namespace {
@@ -29,23 +29,7 @@ constexpr double kLeastBodySeconds = 2;
 constexpr double kWorthSeconds = 5;
 // Bodies with faults: mostly in vain, so not for long.
 constexpr double kInvalidBodySeconds = 12;
-// For writing, reading back and checking what was read: up to so many time limits in all.
-constexpr double kWithReadBack = 1.4;
-constexpr double kReadBackShare = 0.6;
-constexpr double kLeastReadBackSeconds = 10;
-constexpr double kMostReadBackSeconds = 45;
 constexpr double kLeastCheckSeconds = 10;
-
-void addTimes(std::vector<StageTime>& sum, const std::vector<StageTime>& times) {
-  for (const StageTime& time : times) {
-    const auto same = std::find_if(sum.begin(), sum.end(),
-                                   [&](const StageTime& s) { return s.stage == time.stage; });
-    if (same == sum.end())
-      sum.push_back(time);
-    else
-      same->seconds += time.seconds;
-  }
-}
 
 // An instance of the same part as body i before it: assemblies place one shape many times.
 std::optional<std::size_t> earlierTwin(const std::vector<Body>& bodies, std::size_t i) {
@@ -225,45 +209,17 @@ std::filesystem::path rejectedPath(const std::filesystem::path& path) {
 Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
                                           const std::filesystem::path& path, bool keep) {
   if (result.model.bodies.empty()) return std::filesystem::path();
-  std::filesystem::path aside = path;
-  aside.replace_extension(".unchecked" + path.extension().string());
-  double spent = 0;
-  for (const StageTime& time : result.report.times) spent += time.seconds;
-  const Deadline deadline(kWithReadBack * result.report.options.timeLimit - spent);
-  if (Result<void> written = writeModel(result.model, aside); !written)
-    return tl::unexpected(written.error());
-
-  CheckResult& check = result.report.check;
-  if (check.pass()) {
-    ReadOptions asWritten;
-    asWritten.repair = false;
-    asWritten.timeLimit =
-        deadline.forStep(kReadBackShare, kLeastReadBackSeconds, kMostReadBackSeconds);
-    const Result<Model> back = readModel(aside, asWritten);
-    if (!back) {
-      check.reasons.push_back("the written file cannot be read back: " + back.error().message);
-    } else {
-      CheckOptions options;
-      options.distance = result.report.options.distance;
-      options.tolerance = result.report.options.tolerance;
-      options.samples = kOfferedSamples;
-      options.timeLimit = deadline.forStep(1, kLeastReadBackSeconds, kMostReadBackSeconds);
-      const Result<CheckResult> again = checkOffset(in, *back, options);
-      if (!again)
-        check.reasons.push_back("the written file cannot be checked: " + again.error().message);
-      else
-        for (const std::string& reason : again->reasons)
-          check.reasons.push_back("read back from the file: " + reason);
-    }
-  }
-  const std::filesystem::path target = check.pass() || keep ? path : rejectedPath(path);
-  std::error_code error;
-  std::filesystem::rename(aside, target, error);
-  if (error) {
-    std::filesystem::remove(aside, error);
-    return fail(ErrorCode::CannotWrite, fmt::format("cannot rename to {}", target.string()));
-  }
-  return target;
+  const OffsetOptions& made = result.report.options;
+  const Recheck recheck = [&](const Model& back, double seconds) {
+    CheckOptions options;
+    options.distance = made.distance;
+    options.tolerance = made.tolerance;
+    options.samples = kOfferedSamples;
+    options.timeLimit = seconds;
+    return checkOffset(in, back, options);
+  };
+  return writeChecked(result.model, {path, keep, made.timeLimit, result.report.times}, recheck,
+                      result.report.check);
 }
 
 }  // namespace phront::cad

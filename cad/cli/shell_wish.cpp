@@ -1,0 +1,39 @@
+#include "shell_wish.h"
+
+#include "body_reports.h"
+#include "phront/cad/select_faces.h"
+
+namespace phront::cli {
+
+CLI::Option* addShellWish(CLI::App& command, ShellWish& wish) {
+  command.add_option("--open", wish.open,
+                     "Shell: planar faces left open: F3,F7 (see info -v), name:lid*, normal:+z, "
+                     "area:max");
+  command
+      .add_option("--side", wish.side,
+                  "Shell: where the wall lies: inside of the faces, outside, half on either side")
+      ->check(CLI::IsMember({"in", "out", "both"}))
+      ->capture_default_str();
+  return command.add_option("-t,--thickness", wish.thickness, "Shell: thickness of the wall");
+}
+
+Result<cad::ShellOptions> resolve(const ShellWish& wish, const cad::Model& model,
+                                  const CommonOptions& common) {
+  cad::ShellOptions options;
+  const Result<double> thickness = parseLength(wish.thickness, common.unit);
+  if (!thickness) return tl::unexpected(thickness.error());
+  const Result<std::optional<double>> tolerance = toleranceOf(common);
+  if (!tolerance) return tl::unexpected(tolerance.error());
+  options.thickness = *thickness;
+  options.tolerance = *tolerance;
+  options.threads = common.threads;
+  if (wish.side == "out") options.side = cad::ShellSide::Out;
+  if (wish.side == "both") options.side = cad::ShellSide::Both;
+  if (wish.open.empty()) return options;
+  Result<std::vector<cad::FaceId>> open = cad::selectFaces(model, wish.open);
+  if (!open) return tl::unexpected(open.error());
+  options.open = std::move(*open);
+  return options;
+}
+
+}  // namespace phront::cli

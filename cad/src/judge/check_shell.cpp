@@ -1,0 +1,356 @@
+// A point of the result is right when it lies on a closed face, on a wall's other side (at the
+// wall's distance from the closed faces, to be sampled against the exact faces), or in the plane of
+// an opening where a wall ends. What must be there is built from the closed faces alone: their
+// points moved by the wall, kept where no other closed face is nearer and the solid has not ended.
+#include "judge/check_shell.h"
+
+#include <fmt/format.h>
+
+#include <BRepAdaptor_Surface.hxx>
+#include <BRep_Builder.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+
+#include "exchange/face_set.h"
+#include "exchange/guard.h"
+#include "judge/check_sampling.h"
+#include "judge/check_topology.h"
+#include "patches/patch_tools.h"
+#include "phront/cad/shape_occt.h"
+
+namespace phront::cad {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kDeflectionOfDiagonal = 4e-4;
+constexpr double kDeflectionOfThickness = 0.015;
+constexpr double kShareBeyond = 0.01;  // of the area may be off by more than the tolerance
+constexpr double kMaxFactor = 10;      // largest deviation allowed, in tolerances
+constexpr double kBuried = 0.002;
+constexpr double kLooseKeep = 1.2e-3;  // of the wall: nearer to another face than this is cut off
+constexpr double kNearOpening = 1.5;   // walls from an opening: what lies above it is beyond
+constexpr int kPerFace = 20;
+constexpr int kSideSamples = 6000;
+constexpr std::uint64_t kAccuracySeed = 0x2545f4914f6cdd1d;
+constexpr std::uint64_t kCoverageSeed = 0xda942042e4dd58b5;
+
+struct OpenPlane {
+  Vec3 point;
+  Vec3 normal;  ///< out of the material
+  ModelDistance face;
+  [[nodiscard]] double height(const Vec3& x) const { return (x - point).dot(normal); }
+};
+
+/// The body taken apart: all of it, its closed faces, its openings.
+struct Parts {
+  ModelDistance solid;
+  ModelDistance closed;
+  std::deque<OpenPlane> openings;  ///< a deque never moves what it holds
+};
+
+Body sheetOf(const FaceSet& faces) {
+  Body sheet;
+  sheet.shape = makeShape(shellOf(faces));
+  sheet.kind = BodyKind::Sheet;
+  return sheet;
+}
+
+Vec3 toVec(const gp_XYZ& v) { return {v.X(), v.Y(), v.Z()}; }
+
+Result<Parts> takeApart(const Body& in, const std::vector<int>& open,
+                        const TessellateOptions& mesh) {
+  TopTools_IndexedMapOfShape map;
+  TopExp::MapShapes(occtShape(in.shape), TopAbs_FACE, map);
+  const std::set<int> opened(open.begin(), open.end());
+  FaceSet closed;
+  for (int f = 0; f < map.Extent(); ++f)
+    if (opened.count(f) == 0) closed.push_back(TopoDS::Face(map(f + 1)));
+  if (closed.empty()) return fail(ErrorCode::InvalidArgument, "no face is left to be a wall");
+  auto solid = ModelDistance::build({in}, mesh, "the input");
+  if (!solid) return tl::unexpected(solid.error());
+  auto walls = ModelDistance::build({sheetOf(closed)}, mesh, "the walls of the input");
+  if (!walls) return tl::unexpected(walls.error());
+  Parts parts{std::move(*solid), std::move(*walls), {}};
+  for (const int f : opened) {
+    const TopoDS_Face face = TopoDS::Face(map(f + 1));
+    const BRepAdaptor_Surface surface(face);
+    const gp_Pnt2d middle(0.5 * (surface.FirstUParameter() + surface.LastUParameter()),
+                          0.5 * (surface.FirstVParameter() + surface.LastVParameter()));
+    const std::optional<gp_Vec> normal = outwardNormal(face, middle);
+    auto distance = ModelDistance::build({sheetOf({face})}, mesh, "an opening");
+    if (!normal) return fail(ErrorCode::Failed, "an opening has no normal");
+    if (!distance) return tl::unexpected(distance.error());
+    parts.openings.push_back({toVec(surface.Value(middle.X(), middle.Y()).XYZ()),
+                              toVec(normal->XYZ()), std::move(*distance)});
+  }
+  return parts;
+}
+
+class ShellMeasure {
+ public:
+  ShellMeasure(const Parts& parts, const ModelDistance& out, const ShellCheckOptions& options)
+      : parts_(parts), out_(out), options_(options) {}
+
+  struct Figures {
+    WeightedErrors walls;
+    WeightedErrors all;
+    WeightedErrors missing;
+    double max = 0;
+    double missingMax = 0;
+    double buried = 0;
+    Vec3 worst = Vec3::Zero();
+    Vec3 worstMissing = Vec3::Zero();
+  };
+
+  Figures run() {
+    measureAccuracy();
+    measureCoverage();
+    return std::move(figures_);
+  }
+
+ private:
+  void measureAccuracy() {
+    SampleRng rng(kAccuracySeed);
+    const std::vector<SurfaceSample> samples = out_.surfaceSamples(options_.samples, kPerFace, rng);
+    const std::size_t stride = samples.size() / kSideSamples + 1;
+    double sided = 0;
+    double buried = 0;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const SurfaceSample& s = samples[i];
+      bool wall = false;
+      const double error = errorAt(s.point, wall);
+      figures_.all.add(error, s.weight);
+      if (wall) figures_.walls.add(error, s.weight);
+      if (error > figures_.max) {
+        figures_.max = error;
+        figures_.worst = s.point;
+      }
+      if (i % stride != 0) continue;
+      sided += s.weight;
+      if (out_.buried(s.body, s.triangle)) buried += s.weight;
+    }
+    if (sided > 0) figures_.buried = buried / sided;
+  }
+
+  /// How far x is from the nearest place where the boundary of the shell may lie. `wall`: that is
+  /// the far side of a wall.
+  double errorAt(const Vec3& x, bool& wall) const {
+    constexpr double kNone = std::numeric_limits<double>::infinity();
+    const ShellWalls& walls = options_.walls;
+    const double toClosed = parts_.closed.distance(x);
+    const bool border = std::min(toClosed, nearestOpening(x)) < options_.tolerance;
+    const bool inside = parts_.solid.inside(x);
+    double onFarSide = kNone;
+    if (walls.inner > 0 && (inside || border)) onFarSide = std::abs(toClosed - walls.inner);
+    if (walls.outer > 0 && (!inside || border))
+      onFarSide = std::min(onFarSide, std::abs(toClosed - walls.outer));
+    const bool facesStay = walls.inner == 0 || walls.outer == 0;
+    double elsewhere = facesStay ? toClosed : kNone;
+    const double reach = border   ? std::max(walls.inner, walls.outer)
+                         : inside ? walls.inner
+                                  : walls.outer;
+    for (const OpenPlane& opening : parts_.openings) {
+      if (toClosed > reach + options_.tolerance) break;
+      if (opening.face.distance(x) <= kNearOpening * reach)
+        elsewhere = std::min(elsewhere, std::abs(opening.height(x)));
+    }
+    wall = onFarSide <= elsewhere;
+    return std::min(onFarSide, elsewhere);
+  }
+
+  double nearestOpening(const Vec3& x) const {
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const OpenPlane& opening : parts_.openings)
+      nearest = std::min(nearest, opening.face.distance(x));
+    return nearest;
+  }
+
+  void measureCoverage() {
+    SampleRng rng(kCoverageSeed);
+    const ShellWalls& walls = options_.walls;
+    const std::vector<SurfaceSample> samples =
+        parts_.closed.surfaceSamples(options_.samples, kPerFace, rng);
+    for (const SurfaceSample& s : samples) {
+      if (walls.inner == 0 || walls.outer == 0) miss(s.point, s.weight);
+      if (walls.inner > 0) mustBe(s.point - walls.inner * s.normal, -walls.inner, s.weight);
+      if (walls.outer > 0) mustBe(s.point + walls.outer * s.normal, walls.outer, s.weight);
+    }
+    RoundingDensity density;
+    density.perArea = options_.samples / parts_.closed.area();
+    for (const double side : {-walls.inner, walls.outer}) {
+      if (side == 0) continue;
+      for (const OffsetCandidate& c :
+           roundingCandidates(parts_.closed.shape(0), side, density, rng))
+        mustBe(c.point, side, c.weight);
+    }
+  }
+
+  /// q is a point of a wall's far side unless something is nearer or the wall has ended.
+  void mustBe(const Vec3& q, double side, double weight) {
+    const double wall = std::abs(side);
+    if (parts_.closed.meshDistance(q) < wall * (1 - kLooseKeep) - 4 * parts_.closed.deflection())
+      return;
+    if (parts_.closed.distance(q) < wall * (1 - kLooseKeep)) return;
+    if (parts_.solid.inside(q) != (side < 0)) return;
+    for (const OpenPlane& opening : parts_.openings)
+      if (opening.height(q) > -kLooseKeep * wall && opening.face.distance(q) < kNearOpening * wall)
+        return;
+    miss(q, weight);
+  }
+
+  void miss(const Vec3& q, double weight) {
+    const double error = out_.distance(q);
+    figures_.missing.add(error, weight);
+    if (error > figures_.missingMax) {
+      figures_.missingMax = error;
+      figures_.worstMissing = q;
+    }
+  }
+
+  const Parts& parts_;
+  const ModelDistance& out_;
+  const ShellCheckOptions& options_;
+  Figures figures_;
+};
+
+std::string at(const Vec3& p) {
+  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
+}
+
+void judgeTopology(const TopologyFigures& t, CheckResult& result) {
+  result.solids = t.solids;
+  result.shells = t.shells;
+  result.faces = t.faces;
+  result.valid = t.valid;
+  result.closed = t.closed();
+  result.volume = t.volume;
+  if (!t.valid) result.reasons.emplace_back("OpenCASCADE's BRepCheck finds the shell invalid.");
+  if (t.solids == 0) result.reasons.emplace_back("The shell holds no solid.");
+  if (!t.closed())
+    result.reasons.push_back(
+        fmt::format("The shell is not closed: {} edges are used once, {} more "
+                    "than twice.",
+                    t.freeEdges, t.overusedEdges));
+  if (t.badSolids > 0 || !(t.volume > 0))
+    result.reasons.emplace_back("A solid of the shell has no positive volume.");
+}
+
+void judgeWalls(const ShellMeasure::Figures& f, const ShellCheckOptions& options,
+                CheckResult& result) {
+  const double bound = kCheckStrictness * options.tolerance;
+  const double most = kMaxFactor * bound;
+  result.accuracyP99 = f.walls.quantile(0.99);
+  result.accuracyMax = f.max;
+  result.coverageP99 = f.missing.quantile(0.99);
+  result.coverageMax = f.missingMax;
+  result.buried = f.buried;
+  result.worstPoint = f.max > f.missingMax ? f.worst : f.worstMissing;
+  const double share = kCheckStrictness * kShareBeyond;
+  if (f.walls.shareAbove(bound) > share || f.all.shareAbove(bound) > share || f.max > most)
+    result.reasons.push_back(
+        fmt::format("The walls do not have their thickness: the worst point is {:.3g} mm off, near "
+                    "{}.",
+                    f.max, at(f.worst)));
+  if (f.missing.empty())
+    result.reasons.emplace_back("Nothing of the walls could be confirmed.");
+  else if (f.missing.shareAbove(bound) > share || f.missingMax > most)
+    result.reasons.push_back(
+        fmt::format("A part of a wall is missing or buried: the shell is {:.3g} mm away from {}.",
+                    f.missingMax, at(f.worstMissing)));
+  if (f.buried > kCheckStrictness * kBuried)
+    result.reasons.push_back(fmt::format(
+        "The shell overlaps itself: {:.3g} % of its area lies inside it.", 100 * f.buried));
+}
+
+Result<CheckResult> measure(const Body& in, const std::vector<int>& open,
+                            const std::vector<Body>& out, const ShellCheckOptions& options) {
+  const double thickness = options.walls.thickness();
+  const MeshSize size = meshSize({diagonalOf(occtShape(in.shape)), thickness, true},
+                                 kDeflectionOfDiagonal, kDeflectionOfThickness);
+  TessellateOptions mesh;
+  mesh.deflection = size.deflection;
+  mesh.angle = size.angle;
+  mesh.distance = thickness;
+  const Result<Parts> parts = takeApart(in, open, mesh);
+  if (!parts) return tl::unexpected(parts.error());
+
+  BRep_Builder builder;
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
+  for (const Body& body : out) builder.Add(all, occtShape(body.shape));
+  CheckResult result;
+  judgeTopology(measureTopology(all), result);
+  if (!result.reasons.empty()) return result;
+  const auto distance = ModelDistance::build(out, mesh, "the shell");
+  if (!distance) {
+    result.reasons.push_back("The shell cannot be measured: " + distance.error().message);
+    return result;
+  }
+  result.untessellatedFaces = distance->untessellatedFaces();
+  if (result.untessellatedFaces > 0)
+    result.reasons.push_back(
+        fmt::format("{} faces of the shell cannot be tessellated.", result.untessellatedFaces));
+  judgeWalls(ShellMeasure(*parts, *distance, options).run(), options, result);
+  return result;
+}
+
+std::string bytesOf(const CheckResult& r) {
+  const Json json =
+      Json::array({r.solids, r.shells, r.faces, r.valid, r.closed, r.volume, r.accuracyP99,
+                   r.accuracyMax, r.coverageP99, r.coverageMax, r.buried, r.untessellatedFaces,
+                   r.worstPoint.x(), r.worstPoint.y(), r.worstPoint.z(), r.reasons});
+  std::string bytes;
+  Json::to_cbor(json, bytes);
+  return bytes;
+}
+
+CheckResult resultOf(const std::string& bytes) {
+  const Json json = Json::from_cbor(bytes);
+  CheckResult r;
+  std::size_t next = 0;
+  const auto read = [&](auto& value) { json.at(next++).get_to(value); };
+  read(r.solids);
+  read(r.shells);
+  read(r.faces);
+  read(r.valid);
+  read(r.closed);
+  read(r.volume);
+  read(r.accuracyP99);
+  read(r.accuracyMax);
+  read(r.coverageP99);
+  read(r.coverageMax);
+  read(r.buried);
+  read(r.untessellatedFaces);
+  read(r.worstPoint.x());
+  read(r.worstPoint.y());
+  read(r.worstPoint.z());
+  read(r.reasons);
+  return r;
+}
+
+}  // namespace
+
+Result<CheckResult> checkBodyShell(const Body& in, const std::vector<int>& open,
+                                   const std::vector<Body>& out, const ShellCheckOptions& options) {
+  GuardLimits limits;
+  limits.seconds = options.timeLimit;
+  const auto bytes = runInChild("checking the shell", limits, [&]() -> Result<std::string> {
+    const Result<CheckResult> measured = measure(in, open, out, options);
+    if (!measured) return tl::unexpected(measured.error());
+    return bytesOf(*measured);
+  });
+  if (!bytes) return tl::unexpected(bytes.error());
+  return resultOf(*bytes);
+}
+
+}  // namespace phront::cad

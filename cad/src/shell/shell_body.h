@@ -1,0 +1,30 @@
+// The wall of one solid: extended through its openings, offset, and what lies between.
+#pragma once
+
+#include <vector>
+
+#include "judge/check_shell.h"
+#include "phront/cad/shell_shape.h"
+
+namespace phront::cad {
+
+struct ShellBodyRequest {
+  std::vector<int> open;  ///< 0-based faces of the body
+  ShellWalls walls;
+  double tolerance = 0;  ///< mm
+  int threads = 0;
+  double timeLimit = 0;  ///< s
+};
+
+struct BodyShell {
+  std::vector<Body> bodies;
+  BodyReport report;
+  std::vector<StageTime> times;
+  bool full = false;  ///< too thin to be hollow: the body itself
+};
+
+/// Fails only when the body cannot be worked on at all; else what went wrong is in the report.
+[[nodiscard]] Result<BodyShell> shellBody(const Body& body, const ShellBodyRequest& request,
+                                          const Progress& progress);
+
+}  // namespace phront::cad
