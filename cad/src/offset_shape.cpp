@@ -11,6 +11,7 @@
 #include <TopoDS_Shape.hxx>
 
 #include "add_times.h"
+#include "carry_marks.h"
 #include "deadline.h"
 #include "judge/check_body.h"
 #include "phront/cad/shape_occt.h"
@@ -185,7 +186,9 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
                    forBodies)
           .run();
   if (!offsets) return tl::unexpected(offsets.error());
-  for (BodyOffset& offset : *offsets) {
+  for (std::size_t b = 0; b < offsets->size(); ++b) {
+    BodyOffset& offset = (*offsets)[b];
+    carryMarks(bodies[b], options.distance, offset.bodies);
     for (Body& body : offset.bodies) result.model.bodies.push_back(std::move(body));
     addTimes(report.times, offset.times);
     report.bodies.push_back(std::move(offset.report));

@@ -68,6 +68,7 @@ Result<SurfacesResult> offsetSurfaces(const Model& model, const SurfacesOptions&
     Body made;
     made.kind = BodyKind::Sheet;
     made.name = body.name;
+    made.colour = body.colour;
     std::vector<TopoDS_Face> all;
     for (std::size_t f = 0; f < offsets->size(); ++f) {
       const TrimmedOffset& offset = (*offsets)[f];
@@ -75,6 +76,7 @@ Result<SurfacesResult> offsetSurfaces(const Model& model, const SurfacesOptions&
       for (const TopoDS_Face& face : offset.faces) {
         all.push_back(face);
         made.faceNames.push_back(f < body.faceNames.size() ? body.faceNames[f] : std::string());
+        if (f < body.faceColours.size()) made.faceColours.push_back(body.faceColours[f]);
       }
     }
     result.bodies.push_back(std::move(report));

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "add_times.h"
+#include "carry_marks.h"
 #include "deadline.h"
 #include "judge/check_body.h"
 #include "judge/check_shell.h"
@@ -140,6 +141,7 @@ Result<ShellResult> shellModel(const Model& model, const ShellOptions& requested
                                 " is too thin to be hollow: the wall fills it, it stays as it is");
     addCheck(report.check, shell->report.check, count > 1 ? nameOf(model, b) : std::string());
     addTimes(report.times, shell->times);
+    carryMarks(model.bodies[b], requested.thickness, shell->bodies);
     for (Body& body : shell->bodies) result.model.bodies.push_back(std::move(body));
     report.bodies.push_back(std::move(shell->report));
   }

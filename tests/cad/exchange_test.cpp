@@ -126,6 +126,35 @@ TEST_F(Exchange, NamesSurviveStep) {
   EXPECT_EQ(again->bodies[0].faceNames, faceNames);
 }
 
+TEST_F(Exchange, ColoursSurviveStep) {
+  const Colour steel{0.25, 0.5, 0.75};
+  const Colour red{1, 0, 0};  // one of those that STEP has a word for
+  Model model;
+  model.bodies.push_back(bodyOf(BRepPrimAPI_MakeBox(1, 2, 3).Solid(), "box"));
+  model.bodies.push_back(bodyOf(BRepPrimAPI_MakeSphere(1).Solid(), "ball"));
+  model.bodies.push_back(bodyOf(BRepPrimAPI_MakeBox(4, 5, 6).Solid(), "plain"));
+  model.bodies[0].colour = steel;
+  model.bodies[0].faceColours = {{}, red, {}, {}, steel, {}};
+  model.bodies[1].faceColours = {red};
+  ASSERT_TRUE(writeModel(model, path("coloured.step")));
+  const auto again = readModel(path("coloured.step"));
+  ASSERT_TRUE(again) << again.error().message;
+  ASSERT_EQ(again->bodies.size(), 3U);
+  const auto near = [](const std::optional<Colour>& a, const std::optional<Colour>& b) {
+    if (!a || !b) return !a && !b;
+    return std::abs(a->red - b->red) + std::abs(a->green - b->green) + std::abs(a->blue - b->blue) <
+           1e-5;
+  };
+  for (std::size_t b = 0; b < 3; ++b) {
+    const Body& was = model.bodies[b];
+    const Body& is = again->bodies[b];
+    EXPECT_TRUE(near(is.colour, was.colour)) << b;
+    ASSERT_EQ(is.faceColours.size(), was.faceColours.size()) << b;
+    for (std::size_t f = 0; f < is.faceColours.size(); ++f)
+      EXPECT_TRUE(near(is.faceColours[f], was.faceColours[f])) << b << " " << f;
+  }
+}
+
 TEST_F(Exchange, SheetsStaySheets) {
   const TopoDS_Shape box = BRepPrimAPI_MakeBox(1, 2, 3).Shape();
   Model model;

@@ -33,6 +33,7 @@
 #include <cctype>
 #include <sstream>
 
+#include "exchange/step_colours.h"
 #include "exchange/step_string.h"
 
 namespace phront::cad {
@@ -97,7 +98,7 @@ void nameEntities(const XSControl_WorkSession& session, Loaded& loaded) {
     if (name.empty() || name == "NONE") continue;
     const TopAbs_ShapeEnum kind = isFace ? TopAbs_FACE : TopAbs_SOLID;
     for (TopExp_Explorer it(shape, kind); it.More(); it.Next()) {
-      loaded.names.set(it.Current(), name);
+      loaded.marks.setName(it.Current(), name);
     }
   }
   if (lost > 0) {
@@ -121,13 +122,28 @@ tl::unexpected<Error> nothing(const std::string& reason) {
 
 }  // namespace
 
-void ShapeNames::set(const TopoDS_Shape& shape, const std::string& name) {
-  if (!name.empty()) names_.Bind(shape.Located(TopLoc_Location()), name);
+Mark& ShapeMarks::at(const TopoDS_Shape& shape) {
+  const TopoDS_Shape key = shape.Located(TopLoc_Location());
+  Mark* mark = marks_.ChangeSeek(key);
+  return mark ? *mark : *marks_.Bound(key, Mark());
 }
 
-std::string ShapeNames::of(const TopoDS_Shape& shape) const {
-  const std::string* name = names_.Seek(shape.Located(TopLoc_Location()));
-  return name ? *name : std::string();
+void ShapeMarks::setName(const TopoDS_Shape& shape, const std::string& name) {
+  if (!name.empty()) at(shape).name = name;
+}
+
+void ShapeMarks::setColour(const TopoDS_Shape& shape, const Colour& colour) {
+  at(shape).colour = colour;
+}
+
+void ShapeMarks::copy(const TopoDS_Shape& from, const TopoDS_Shape& to) {
+  const Mark mark = of(from);
+  if (!mark.name.empty() || mark.colour) at(to) = mark;
+}
+
+Mark ShapeMarks::of(const TopoDS_Shape& shape) const {
+  const Mark* mark = marks_.Seek(shape.Located(TopLoc_Location()));
+  return mark ? *mark : Mark();
 }
 
 Result<Loaded> loadStep(const FileText& file, const StepScan& scan) {
@@ -155,6 +171,7 @@ Result<Loaded> loadStep(const FileText& file, const StepScan& scan) {
   for (const TDF_Label& root : roots) collect(root, TopLoc_Location(), 0, loaded);
   if (loaded.shapes.empty()) return nothing(loaded.emptyReason);
   nameEntities(*reader.Reader().WS(), loaded);
+  readColours(reader.Reader().WS(), loaded.marks);
   return loaded;
 }
 
@@ -180,7 +197,7 @@ Result<Loaded> loadIges(const std::filesystem::path& path) {
     if (result.IsNull()) continue;
     for (const TopAbs_ShapeEnum kind : {TopAbs_FACE, TopAbs_SOLID}) {
       for (TopExp_Explorer it(result, kind); it.More(); it.Next()) {
-        loaded.names.set(it.Current(), asText(entity->NameValue()));
+        loaded.marks.setName(it.Current(), asText(entity->NameValue()));
       }
     }
   }

@@ -4,11 +4,13 @@
 #include <NCollection_DataMap.hxx>
 #include <TopTools_ShapeMapHasher.hxx>
 #include <TopoDS_Shape.hxx>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "exchange/file_text.h"
 #include "exchange/step_scan.h"
+#include "phront/cad/shape.h"
 #include "phront/status.h"
 
 namespace phront::cad {
@@ -18,19 +20,29 @@ struct NamedShape {
   std::string name;
 };
 
-/// Names by the shape without location and regardless of orientation.
-class ShapeNames {
+/// What a file says of a face or solid beside its geometry.
+struct Mark {
+  std::string name;  ///< empty when unnamed
+  std::optional<Colour> colour;
+};
+
+/// Marks by the shape without location and regardless of orientation.
+class ShapeMarks {
  public:
-  void set(const TopoDS_Shape& shape, const std::string& name);
-  [[nodiscard]] std::string of(const TopoDS_Shape& shape) const;  ///< empty when unnamed
+  void setName(const TopoDS_Shape& shape, const std::string& name);
+  void setColour(const TopoDS_Shape& shape, const Colour& colour);
+  /// `to` replaces `from`.
+  void copy(const TopoDS_Shape& from, const TopoDS_Shape& to);
+  [[nodiscard]] Mark of(const TopoDS_Shape& shape) const;
 
  private:
-  NCollection_DataMap<TopoDS_Shape, std::string, TopTools_ShapeMapHasher> names_;
+  Mark& at(const TopoDS_Shape& shape);
+  NCollection_DataMap<TopoDS_Shape, Mark, TopTools_ShapeMapHasher> marks_;
 };
 
 struct Loaded {
   std::vector<NamedShape> shapes;  ///< in mm, in place
-  ShapeNames names;                ///< of faces and solids
+  ShapeMarks marks;                ///< of faces and solids
   std::string unit = "mm";
   double unitInMm = 1;
   std::vector<std::string> warnings;

@@ -63,7 +63,7 @@ class BodyMaker {
     if (!defect_.empty()) return fail(ErrorCode::UnreadableInput, defect_);
     if (model_.bodies.empty()) return fail(ErrorCode::UnreadableInput, noFaces());
     if (loaded_.unitInMm != 1) tellSize();
-    for (std::size_t b = 0; b < model_.bodies.size(); ++b) nameFaces(model_.bodies[b]);
+    for (std::size_t b = 0; b < model_.bodies.size(); ++b) markFaces(model_.bodies[b]);
     return std::move(model_);
   }
 
@@ -100,18 +100,21 @@ class BodyMaker {
       const TopoDS_Shape& solid = it.Current();
       if (facesOf(solid).empty()) continue;
       std::string name = named.name;
-      const std::string own = loaded_.names.of(solid);
+      const std::string own = loaded_.marks.of(solid).name;
       if (name.empty()) {
         name = own;
       } else if (solids > 1 && !own.empty() && own != name) {
         name += "/" + own;
       }
+      const std::size_t first = model_.bodies.size();
       if (!options_.repair) {
         add({solid, true}, name);
-        continue;
+      } else {
+        RepairContext context = contextOf(name);
+        for (const RepairedBody& body : repairSolid(solid, context)) add(body, name);
       }
-      RepairContext context = contextOf(name);
-      for (const RepairedBody& body : repairSolid(solid, context)) add(body, name);
+      for (std::size_t b = first; b < model_.bodies.size(); ++b)
+        model_.bodies[b].colour = loaded_.marks.of(solid).colour;
     }
   }
 
@@ -164,7 +167,7 @@ class BodyMaker {
   }
 
   RepairContext contextOf(const std::string& name) {
-    return {loaded_.names, model_.warnings, options_.sewTolerance,
+    return {loaded_.marks, model_.warnings, options_.sewTolerance,
             label(model_.bodies.size(), name)};
   }
 
@@ -218,12 +221,17 @@ class BodyMaker {
         who, tolerance, 100 * tolerance / diagonal));
   }
 
-  void nameFaces(Body& body) const {
+  void markFaces(Body& body) const {
     TopTools_IndexedMapOfShape faces;
     TopExp::MapShapes(occtShape(body.shape), TopAbs_FACE, faces);
     for (int i = 1; i <= faces.Extent(); ++i) {
-      body.faceNames.push_back(loaded_.names.of(faces(i)));
+      const Mark mark = loaded_.marks.of(faces(i));
+      body.faceNames.push_back(mark.name);
+      body.faceColours.push_back(mark.colour);
     }
+    const auto coloured = [](const std::optional<Colour>& colour) { return colour.has_value(); };
+    if (std::none_of(body.faceColours.begin(), body.faceColours.end(), coloured))
+      body.faceColours.clear();
   }
 
   Loaded loaded_;

@@ -26,6 +26,13 @@ class Writer {
     number(values.size());
     for (const std::string& value : values) text(value);
   }
+  void colour(const std::optional<Colour>& value) {
+    number(value ? 1 : 0);
+    if (!value) return;
+    real(value->red);
+    real(value->green);
+    real(value->blue);
+  }
   [[nodiscard]] std::string take() { return std::move(bytes_); }
 
  private:
@@ -63,6 +70,14 @@ class Reader {
     for (std::uint64_t n = number(); n > 0 && good_; --n) values.emplace_back(text());
     return values;
   }
+  std::optional<Colour> colour() {
+    if (number() == 0) return std::nullopt;
+    Colour value;
+    value.red = real();
+    value.green = real();
+    value.blue = real();
+    return value;
+  }
   [[nodiscard]] bool good() const { return good_; }
 
  private:
@@ -95,6 +110,9 @@ std::string bytesOfModel(const Model& model) {
     writer.number(body.valid ? 1 : 0);
     writer.text(body.name);
     writer.texts(body.faceNames);
+    writer.colour(body.colour);
+    writer.number(body.faceColours.size());
+    for (const std::optional<Colour>& colour : body.faceColours) writer.colour(colour);
     writer.number(body.shape.empty() ? 0 : 1);
     if (!body.shape.empty()) builder.Add(all, occtShape(body.shape));
   }
@@ -115,6 +133,9 @@ Result<Model> modelOfBytes(std::string_view bytes) {
     body.valid = reader.number() != 0;
     body.name = reader.text();
     body.faceNames = reader.texts();
+    body.colour = reader.colour();
+    for (std::uint64_t c = reader.number(); c > 0 && reader.good(); --c)
+      body.faceColours.push_back(reader.colour());
     hasShape.push_back(reader.number() != 0);
     model.bodies.push_back(std::move(body));
   }

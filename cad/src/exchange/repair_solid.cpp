@@ -63,12 +63,12 @@ std::string plural(int count, const char* noun) {
 // Index of the input face behind each face of a sewn shape.
 class SewnOrder {
  public:
-  SewnOrder(const FaceSet& faces, const BRepBuilderAPI_Sewing& sewing, ShapeNames& names) {
+  SewnOrder(const FaceSet& faces, const BRepBuilderAPI_Sewing& sewing, ShapeMarks& marks) {
     for (const TopoDS_Face& face : faces) {
       const TopoDS_Shape now = sewing.IsModified(face) ? sewing.Modified(face) : face;
       for (TopExp_Explorer it(now, TopAbs_FACE); it.More(); it.Next()) {
         order_.Add(it.Current());
-        names.set(it.Current(), names.of(face));
+        marks.copy(face, it.Current());
       }
     }
   }
@@ -166,9 +166,8 @@ TopoDS_Shape healed(const TopoDS_Shape& solid, RepairContext& context) {
     return {};
   }
   for (const TopoDS_Face& face : facesOf(solid)) {
-    const std::string name = context.names.of(face);
-    if (name.empty()) continue;
-    for (const TopoDS_Face& now : facesOf(fix.Context()->Apply(face))) context.names.set(now, name);
+    for (const TopoDS_Face& now : facesOf(fix.Context()->Apply(face)))
+      context.marks.copy(face, now);
   }
   return result;
 }
@@ -227,7 +226,7 @@ std::vector<RepairedBody> sewFaces(const FaceSet& faces, RepairContext& context)
   if (sewn.IsNull()) return asSheets({faces});
   // A face narrower than the tolerance is sewn to itself: better leave it alone.
   if (faces.size() == 1 && !BRepCheck_Analyzer(sewn).IsValid()) return asSheets({faces});
-  const SewnOrder order(faces, sewing, context.names);
+  const SewnOrder order(faces, sewing, context.marks);
   std::vector<RepairedBody> bodies;
   TopTools_IndexedMapOfShape shells;
   TopExp::MapShapes(sewn, TopAbs_SHELL, shells);

@@ -18,7 +18,7 @@ struct RepairedBody {
 };
 
 struct RepairContext {
-  ShapeNames& names;  ///< names move to faces that replace others
+  ShapeMarks& marks;  ///< they move to faces that replace others
   std::vector<std::string>& warnings;
   std::optional<double> sewTolerance;  ///< mm; automatic: sewToleranceOf(the faces)
   std::string label;                   ///< of the body, for sentences ("body 'cover'")

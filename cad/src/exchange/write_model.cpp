@@ -29,6 +29,7 @@
 #include <sstream>
 
 #include "exchange/guard.h"
+#include "exchange/step_colours.h"
 #include "exchange/step_string.h"
 #include "phront/cad/exchange.h"
 #include "phront/cad/shape_occt.h"
@@ -109,6 +110,7 @@ Result<std::string> stepBytes(const Model& model) {
     }
   }
   nameProducts(writer, products);
+  writeColours(writer.WS(), model);
   StepData_StepWriter text(writer.Model());
   text.SendModel(Handle(StepData_Protocol)::DownCast(writer.WS()->Protocol()));
   std::ostringstream stream;

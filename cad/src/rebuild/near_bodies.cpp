@@ -45,6 +45,28 @@ std::string nearness(const std::vector<Body>& bodies,
   return near;
 }
 
+/// Names and colours of all members' faces, where no two members share a face.
+void markJoint(Body& joint, const std::vector<Body>& bodies,
+               const std::vector<std::size_t>& members) {
+  joint.faceNames.clear();
+  joint.faceColours.clear();
+  joint.colour.reset();
+  bool coloured = false;
+  for (const std::size_t i : members) {
+    const Body& body = bodies[i];
+    const auto count = static_cast<std::size_t>(faceCount(body.shape));
+    coloured = coloured || body.colour || !body.faceColours.empty();
+    for (std::size_t f = 0; f < count; ++f) {
+      const bool own = f < body.faceColours.size() && body.faceColours[f];
+      joint.faceNames.push_back(f < body.faceNames.size() ? body.faceNames[f] : std::string());
+      joint.faceColours.push_back(own ? body.faceColours[f] : body.colour);
+    }
+  }
+  const bool shared = joint.faceNames.size() != static_cast<std::size_t>(faceCount(joint.shape));
+  if (shared) joint.faceNames.clear();
+  if (shared || !coloured) joint.faceColours.clear();
+}
+
 Body together(const std::vector<Body>& bodies, const std::vector<std::size_t>& members) {
   Body joint = bodies[members.front()];
   BRep_Builder builder;
@@ -55,7 +77,7 @@ Body together(const std::vector<Body>& bodies, const std::vector<std::size_t>& m
     joint.valid = joint.valid && bodies[i].valid;
   }
   joint.shape = makeShape(compound);
-  joint.faceNames.clear();
+  markJoint(joint, bodies, members);
   return joint;
 }
 

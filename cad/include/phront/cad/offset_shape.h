@@ -15,15 +15,16 @@ namespace phront::cad {
 
 struct OffsetOptions {
   double distance = 0;  ///< d, mm, signed: positive grows the solid, negative shrinks it
-  std::optional<double> tolerance;  ///< mm, bound on the deviation; default 1 % of |d|
-  int threads = 0;                  ///< 0: all cores
+  /// mm, bound on the deviation; default 1 % of |d|
+  std::optional<double> tolerance = std::nullopt;
+  int threads = 0;  ///< 0: all cores
   /// s, > 0: all bodies and their checks together, shared out among attempts, facets and checks.
   /// Writing and reading back come on top. What is not done by then is given up, with a sentence.
   double timeLimit = 75;
 };
 
-/// How the faces of a body's offset came about. Exact: on offset surfaces, exact or fitted; Faceted:
-/// some or all faces are planar triangles in place of curved ones.
+/// How the faces of a body's offset came about. Exact: on offset surfaces, exact or fitted;
+/// Faceted: some or all faces are planar triangles in place of curved ones.
 enum class OffsetKind { Exact, Faceted, Empty, Failed };
 
 struct BodyReport {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,14 @@ class Shape {
   std::shared_ptr<const Impl> impl_;
 };
 
+/// Red, green and blue in [0, 1], linear.
+struct Colour {
+  double red = 0;
+  double green = 0;
+  double blue = 0;
+  friend bool operator==(const Colour&, const Colour&) = default;
+};
+
 enum class BodyKind { Solid, Sheet };
 
 /// One solid or one connected sheet, in its place.
@@ -32,6 +41,9 @@ struct Body {
   BodyKind kind = BodyKind::Solid;
   std::string name;   ///< from the file, else empty
   std::vector<std::string> faceNames;  ///< per face in file order; empty strings where unnamed
+  std::optional<Colour> colour;        ///< from the file (STEP)
+  /// Per face in file order, where its colour is not the body's; empty when no face has its own.
+  std::vector<std::optional<Colour>> faceColours;
   bool valid = true;  ///< false: read with faults (OpenCASCADE's check) that could not be healed
 };
 

@@ -23,10 +23,11 @@ enum class ShellSide {
 struct ShellOptions {
   double thickness = 0;  ///< t, mm, > 0
   ShellSide side = ShellSide::In;
-  std::vector<FaceId> open;         ///< planar faces left open; none: a closed cavity
-  std::optional<double> tolerance;  ///< mm, bound on the error of the thickness; default 1 % of t
-  int threads = 0;                  ///< 0: all cores
-  double timeLimit = 75;            ///< s, > 0: as in OffsetOptions
+  std::vector<FaceId> open = {};  ///< planar faces left open; none: a closed cavity
+  /// mm, bound on the error of the thickness; default 1 % of t
+  std::optional<double> tolerance = std::nullopt;
+  int threads = 0;        ///< 0: all cores
+  double timeLimit = 75;  ///< s, > 0: as in OffsetOptions
 };
 
 struct ShellReport {
