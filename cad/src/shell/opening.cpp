@@ -25,6 +25,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
+#include <TopTools_MapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Solid.hxx>
 #include <algorithm>
@@ -49,7 +50,7 @@ constexpr double kRisesFrom =
 // rad, between the normals of an open face and its neighbour: an outer wall ends in the plane of
 // the opening within 1 / sin of it, in walls, from the rim.
 constexpr double kLeastOutwards = 0.75;
-constexpr double kSewing = 1e-6;  // of the diagonal
+constexpr double kSewing[] = {1e-6, 1e-5};  // of the diagonal
 
 /// A planar open face: its plane as seen from the material.
 struct OpenFace {
@@ -109,7 +110,7 @@ class Extender {
         if (!liesOnOpening(face, opening->faces)) boundary.push_back(face);
       made.openings.push_back(std::move(*opening));
     }
-    made.solid = sewn(boundary);
+    made.solid = closed(boundary);
     if (made.solid.IsNull())
       return fail(ErrorCode::Failed, "the solid cannot be extended through its openings");
     return made;
@@ -130,13 +131,24 @@ class Extender {
     group_[static_cast<std::size_t>(other)] = root;
   }
 
-  /// Null unless it is one valid solid.
-  [[nodiscard]] TopoDS_Shape sewn(const std::vector<TopoDS_Face>& faces) const {
-    BRepBuilderAPI_Sewing sewing(kSewing * diagonal_);
-    for (const TopoDS_Face& face : faces) sewing.Add(face);
-    sewing.Perform();
+  /// Null unless it is a valid solid. Prisms share their edges with the solid unless they lean or
+  /// are fused: those are sewn.
+  [[nodiscard]] TopoDS_Shape closed(const std::vector<TopoDS_Face>& faces) const {
+    if (edgeUse(faces).closed()) {
+      if (TopoDS_Shape made = solidOf(shellOf(faces)); !made.IsNull()) return made;
+    }
+    for (const double tolerance : kSewing) {
+      BRepBuilderAPI_Sewing sewing(tolerance * diagonal_);
+      for (const TopoDS_Face& face : faces) sewing.Add(face);
+      sewing.Perform();
+      if (TopoDS_Shape made = solidOf(sewing.SewedShape()); !made.IsNull()) return made;
+    }
+    return {};
+  }
+
+  static TopoDS_Shape solidOf(const TopoDS_Shape& shells) {
     BRepBuilderAPI_MakeSolid solid;
-    for (TopExp_Explorer it(sewing.SewedShape(), TopAbs_SHELL); it.More(); it.Next())
+    for (TopExp_Explorer it(shells, TopAbs_SHELL); it.More(); it.Next())
       solid.Add(TopoDS::Shell(it.Current()));
     if (!solid.IsDone()) return {};
     TopoDS_Solid made = solid.Solid();
@@ -152,7 +164,7 @@ class Extender {
     for (const int index : faces) {
       const OpenFace& open = faces_[static_cast<std::size_t>(slotOf_.at(index))];
       if (plane.Axis().Direction().IsParallel(open.normal, kSmoothAngle) &&
-          plane.Distance(open.point) < kSewing * diagonal_)
+          plane.Distance(open.point) < kPlanarity * diagonal_)
         return true;
     }
     return false;
@@ -191,10 +203,10 @@ class Extender {
                             neighbour + 1, fmt::format(fmt::runtime(how), open + 1)));
   }
 
-  /// Stands on the face; leans inwards beside faces that rise from it.
+  /// Stands on the face. Along a wire that any face rises from it leans inwards, all along: sides
+  /// that go on smoothly from one another do so still.
   Result<TopoDS_Shape> prismOn(const OpenFace& open) {
-    BRepPrimAPI_MakePrism prism(open.face, height_ * gp_Vec(open.normal));
-    std::vector<TopoDS_Face> leaning;
+    TopTools_MapOfShape rises;
     for (const EdgeInfo& edge : table_.edges) {
       const bool here = edge.face1 == open.index || edge.face2 == open.index;
       if (!here || isInner(edge) || edge.samples.empty()) continue;
@@ -202,9 +214,19 @@ class Extender {
       for (const EdgeSample& s : edge.samples) least = std::min(least, s.angle);
       if (outwards_ && least < kLeastOutwards)
         return refusal(edge.face1 == open.index ? edge.face2 : edge.face1, open.index, least);
-      if (least > -kRisesFrom) continue;
-      for (const TopoDS_Shape& side : prism.Generated(edge.edge))
-        leaning.push_back(TopoDS::Face(side));
+      if (least < -kRisesFrom) rises.Add(edge.edge);
+    }
+    BRepPrimAPI_MakePrism prism(open.face, height_ * gp_Vec(open.normal));
+    std::vector<TopoDS_Face> leaning;
+    for (TopExp_Explorer wire(open.face, TopAbs_WIRE); wire.More(); wire.Next()) {
+      std::vector<TopoDS_Face> sides;
+      bool lean = false;
+      for (TopExp_Explorer edge(wire.Current(), TopAbs_EDGE); edge.More(); edge.Next()) {
+        lean = lean || rises.Contains(edge.Current());
+        for (const TopoDS_Shape& side : prism.Generated(edge.Current()))
+          sides.push_back(TopoDS::Face(side));
+      }
+      if (lean) leaning.insert(leaning.end(), sides.begin(), sides.end());
     }
     if (leaning.empty()) return prism.Shape();
     BRepOffsetAPI_DraftAngle draft(prism.Shape());

@@ -19,6 +19,7 @@
 #include "rebuild/attempt_runner.h"
 #include "rebuild/body_offset.h"
 #include "shell/cut.h"
+#include "shell/hollow.h"
 #include "shell/opening.h"
 
 namespace phront::cad {
@@ -38,6 +39,7 @@ constexpr double kBeyondShare = 0.2;
 constexpr double kCutShare = 0.3;
 constexpr double kLeastSeconds = 3;
 constexpr double kMostCutSeconds = 30;
+constexpr double kCutMemoryMiB = 3000;
 constexpr double kMostCheckSeconds = 40;
 // Of the diagonal, tried one after the other.
 constexpr double kFuzzies[] = {0, 1e-6, 1e-5};
@@ -121,7 +123,7 @@ class BodySheller {
       tools.push_back(extended->solid);
     }
     if (tools.empty()) return full();
-    cut(from, tools);
+    cut(*extended, from, tools);
     return std::move(made_);
   }
 
@@ -204,28 +206,57 @@ class BodySheller {
     return std::move(made_);
   }
 
-  void cut(const TopoDS_Shape& from, const std::vector<TopoDS_Shape>& tools) {
+  void cut(const Extended& extended, const TopoDS_Shape& from,
+           const std::vector<TopoDS_Shape>& tools) {
     if (!progress_.part(0.8, 1, "cutting").report(0)) return failBecause("the shell was cancelled");
     const Clock::time_point start = Clock::now();
     const double diagonal = diagonalOf(from);
+    bool accepted = false;
+    // Where only the cavity is cut out, it meets nothing but the openings.
     for (const double fuzzy : kFuzzies) {
-      const Result<TopoDS_Shape> wall =
-          cutSolid(from, tools, fuzzy * diagonal,
-                   deadline_.forStep(kCutShare, kLeastSeconds, kMostCutSeconds));
-      std::string outcome;
-      if (!wall)
-        outcome = wall.error().message;
-      else if (wall->IsNull())
-        outcome = "nothing is left";
-      else if (tryWall(*wall))
-        outcome = "accepted";
-      else
-        outcome = "rejected: " + report().check.reasons.front();
-      report().attempts.push_back(fmt::format("cut, fuzzy {:g}: {}", fuzzy, outcome));
-      if (outcome == "accepted") break;
-      if (report().check.reasons.empty()) report().check = failedCheck(outcome);
+      if (accepted || request_.walls.outer > 0) break;
+      accepted = accepts(fmt::format("hollowed, fuzzy {:g}", fuzzy),
+                         hollow(extended, tools, fuzzy * diagonal));
+    }
+    for (const double fuzzy : kFuzzies) {
+      if (accepted) break;
+      accepted = accepts(fmt::format("cut, fuzzy {:g}", fuzzy),
+                         cutSolid(from, tools, fuzzy * diagonal,
+                                  deadline_.forStep(kCutShare, kLeastSeconds, kMostCutSeconds)));
     }
     lap("cut", start);
+  }
+
+  Result<TopoDS_Shape> hollow(const Extended& extended, const std::vector<TopoDS_Shape>& cavities,
+                              double fuzzy) {
+    HollowRequest request{occtShape(body_.shape), request_.open, {}, cavities, fuzzy};
+    for (const auto& [continuation, below] : extended.beyond)
+      request.continuations.push_back(continuation);
+    const GuardLimits limits{deadline_.forStep(kCutShare, kLeastSeconds, kMostCutSeconds),
+                             kCutMemoryMiB};
+    const Result<std::string> bytes =
+        runInChild("hollowing the part", limits, [&]() -> Result<std::string> {
+          const Result<TopoDS_Shape> wall = hollowOut(request);
+          if (!wall) return tl::unexpected(wall.error());
+          return bytesOfShape(*wall);
+        });
+    if (!bytes) return tl::unexpected(bytes.error());
+    return shapeOfBytes(*bytes);
+  }
+
+  /// Tells what became of one way to the wall.
+  bool accepts(const std::string& way, const Result<TopoDS_Shape>& wall) {
+    std::string outcome = "accepted";
+    if (!wall)
+      outcome = wall.error().message;
+    else if (wall->IsNull())
+      outcome = "nothing is left";
+    else if (!tryWall(*wall))
+      outcome = "rejected: " + report().check.reasons.front();
+    report().attempts.push_back(way + ": " + outcome);
+    if (outcome == "accepted") return true;
+    if (report().check.reasons.empty()) report().check = failedCheck(outcome);
+    return false;
   }
 
   /// Keeps the wall if it is the first, or passes.
