@@ -18,6 +18,7 @@
 #include "rebuild/living_cells.h"
 #include "rebuild/repair.h"
 #include "rebuild/select.h"
+#include "rebuild/settle.h"
 
 namespace phront::cad {
 namespace {
@@ -26,9 +27,6 @@ namespace {
 /// good to a tenth of it.
 constexpr double kLevelTolerance = 1e-5;
 constexpr double kApproximation = 1e-6;
-/// Of |d|: pieces this near to the level are live if the rest needs them; the check allows ten
-/// times as much.
-constexpr double kDoubt = 5e-3;
 constexpr double kRepairMemoryMiB = 2000;
 constexpr double kRepairShare = 0.3;  // of the time limit: when no more is spent there is a repair
 
@@ -78,7 +76,7 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   const auto judgedOf = [&](const std::vector<TopoDS_Face>& pieces) {
     std::vector<JudgedFace> judged = judgeFaces(pieces, solid, distance, levelTolerance, phi);
     if (solid) {
-      const int turned = settleDoubtful(judged, kDoubt * std::abs(distance));
+      const int turned = settleDoubtful(judged, distance);
       if (turned > 0) result.notes.push_back(fmt::format("{} doubtful pieces settled", turned));
     }
     return judged;

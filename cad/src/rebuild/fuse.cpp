@@ -15,6 +15,7 @@
 #include <BOPDS_Iterator.hxx>
 #include <BOPDS_PaveBlock.hxx>
 #include <BOPDS_Tools.hxx>
+#include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom2d_Curve.hxx>
 #include <ShapeFix_Edge.hxx>
@@ -25,6 +26,7 @@
 #include <TopTools_ListOfShape.hxx>
 #include <TopTools_MapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Iterator.hxx>
 #include <algorithm>
 #include <map>
 #include <utility>
@@ -172,6 +174,25 @@ void completeParameterCurves(BOPDS_DS& ds) {
   }
 }
 
+/// Lines that end inside a piece leave it whole and stay in it as internal edges, which bound
+/// nothing.
+TopoDS_Face withoutInternalEdges(const TopoDS_Face& face) {
+  bool internal = false;
+  const TopoDS_Shape forward = face.Oriented(TopAbs_FORWARD);
+  for (TopExp_Explorer edge(forward, TopAbs_EDGE); edge.More() && !internal; edge.Next())
+    internal = edge.Current().Orientation() == TopAbs_INTERNAL;
+  if (!internal) return face;
+  const BRep_Builder builder;
+  TopoDS_Shape bare = forward.EmptyCopied();
+  for (TopoDS_Iterator wire(forward); wire.More(); wire.Next()) {
+    TopoDS_Shape kept = wire.Value().EmptyCopied();
+    for (TopoDS_Iterator edge(wire.Value()); edge.More(); edge.Next())
+      if (edge.Value().Orientation() != TopAbs_INTERNAL) builder.Add(kept, edge.Value());
+    if (TopoDS_Iterator(kept).More()) builder.Add(bare, kept);
+  }
+  return TopoDS::Face(bare.Oriented(face.Orientation()));
+}
+
 }  // namespace
 
 Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& faces, double fuzzy,
@@ -204,7 +225,7 @@ Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& face
   std::vector<TopoDS_Face> split;
   TopTools_MapOfShape seen;
   for (TopExp_Explorer it(builder.Shape(), TopAbs_FACE); it.More(); it.Next()) {
-    if (seen.Add(it.Current())) split.push_back(TopoDS::Face(it.Current()));
+    if (seen.Add(it.Current())) split.push_back(withoutInternalEdges(TopoDS::Face(it.Current())));
   }
   return split;
 }

@@ -11,7 +11,6 @@
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepTools.hxx>
 #include <BRepTopAdaptor_FClass2d.hxx>
-#include <BRep_Tool.hxx>
 #include <Geom2d_Line.hxx>
 #include <IntTools_Context.hxx>
 #include <Precision.hxx>
@@ -19,7 +18,6 @@
 #include <TopoDS.hxx>
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 #include "patches/patch_tools.h"
 #include "rebuild/edge_uses.h"
@@ -126,63 +124,13 @@ std::vector<JudgedFace> judgeFaces(const std::vector<TopoDS_Face>& faces, bool s
                                     [&](double deviation) { return deviation <= tolerance; });
       j.mixed = on > 0 && on < static_cast<std::ptrdiff_t>(deviations.size());
       j.deviation = median(deviations);
+      j.largest = *std::max_element(deviations.begin(), deviations.end());
       j.level = median(levels);
       j.live = j.deviation <= tolerance;
     }
     judged.push_back(std::move(j));
   }
   return judged;
-}
-
-int settleDoubtful(std::vector<JudgedFace>& faces, double doubt) {
-  TopTools_IndexedMapOfShape edges;
-  std::vector<std::map<int, int>> usesOf(faces.size());  // edge, how often the face uses it
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    for (const TopoDS_Edge& edge : edgesOf(faces[f].face)) {
-      if (!BRep_Tool::Degenerated(edge)) ++usesOf[f][edges.Add(edge)];
-    }
-  }
-  std::vector<int> uses(static_cast<std::size_t>(edges.Extent()) + 1, 0);
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    if (!faces[f].live) continue;
-    for (const auto& [edge, count] : usesOf[f]) uses[static_cast<std::size_t>(edge)] += count;
-  }
-  const auto open = [](int count) { return count != 0 && count != 2 ? 1 : 0; };
-  // Change of the number of open edges when the face is turned.
-  const auto gain = [&](std::size_t f) {
-    const int sense = faces[f].live ? -1 : 1;
-    int change = 0;
-    bool crowded = false;
-    for (const auto& [edge, count] : usesOf[f]) {
-      const int before = uses[static_cast<std::size_t>(edge)];
-      crowded = crowded || before > 2;
-      change += open(before + sense * count) - open(before);
-    }
-    return faces[f].live && !crowded ? 0 : change;
-  };
-  int turned = 0;
-  for (;;) {
-    std::size_t best = faces.size();
-    int bestGain = 0;
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-      if (!faces[f].live && !faces[f].mixed && !faces[f].samples.empty() &&
-          faces[f].deviation > doubt) {
-        continue;
-      }
-      const int g = gain(f);
-      if (g < bestGain || (g == bestGain && g < 0 && faces[f].deviation < faces[best].deviation)) {
-        best = f;
-        bestGain = g;
-      }
-    }
-    if (best == faces.size()) return turned;
-    const int sense = faces[best].live ? -1 : 1;
-    for (const auto& [edge, count] : usesOf[best]) {
-      uses[static_cast<std::size_t>(edge)] += sense * count;
-    }
-    faces[best].live = !faces[best].live;
-    ++turned;
-  }
 }
 
 std::vector<TopoDS_Edge> openEdges(const std::vector<JudgedFace>& faces) {

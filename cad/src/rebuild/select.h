@@ -21,6 +21,7 @@ struct JudgedFace {
   TopoDS_Face face;
   std::vector<FaceSample> samples;  ///< inside the face; empty: no point was found
   double deviation = 0;             ///< mm, median of |phi - d| over the samples
+  double largest = 0;               ///< mm, largest |phi - d| over the samples
   double level = 0;                 ///< mm, median of phi
   bool live = false;
   bool mixed = false;  ///< some samples on the offset, some not
@@ -37,11 +38,6 @@ struct JudgedFace {
 [[nodiscard]] std::vector<JudgedFace> judgeFaces(const std::vector<TopoDS_Face>& faces, bool solid,
                                                  double distance, double tolerance,
                                                  const TrueDistance& phi);
-
-/// Settles what samples could not: pieces within `doubt` (mm) of the level are turned live or dead
-/// one by one as long as that leaves fewer edges open. Live pieces are only taken away where three
-/// meet at an edge. Returns how many it turned.
-int settleDoubtful(std::vector<JudgedFace>& faces, double doubt);
 
 /// Edges that live pieces use otherwise than twice; degenerated ones aside.
 [[nodiscard]] std::vector<TopoDS_Edge> openEdges(const std::vector<JudgedFace>& faces);
