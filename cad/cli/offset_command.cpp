@@ -53,6 +53,8 @@ std::string summaryOf(const cad::OffsetReport& report) {
 
 int finish(const OffsetArguments& arguments, const cad::Model& in, cad::OffsetResult& result) {
   const cad::OffsetReport& report = result.report;
+  for (std::size_t i = in.warnings.size(); i < report.warnings.size(); ++i)
+    say(arguments.common, "warning: " + report.warnings[i]);
   if (result.model.bodies.empty() && result.accepted()) {
     say(arguments.common, "the part is thinner than 2|d| everywhere: its offset is empty");
     sayDetails(arguments.common, report.bodies, report.times);

@@ -189,6 +189,11 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
   for (std::size_t b = 0; b < offsets->size(); ++b) {
     BodyOffset& offset = (*offsets)[b];
     carryMarks(bodies[b], options.distance, offset.bodies);
+    if (offset.report.reach < 1)
+      report.warnings.push_back(
+          fmt::format("parts of the offset just touch or lose their width at this distance: it is "
+                      "made at {:g} of it",
+                      offset.report.reach));
     for (Body& body : offset.bodies) result.model.bodies.push_back(std::move(body));
     addTimes(report.times, offset.times);
     report.bodies.push_back(std::move(offset.report));

@@ -25,6 +25,7 @@ constexpr double kPlanarShare = 1e-4;
 
 // Where the sides of a triangle are looked at, in heights; flatter ones than this have none.
 constexpr double kBesideSurface = 1e-3;
+constexpr double kMostBesideSurface = 1e-6;  // of the diagonal
 constexpr double kLeastHeight = 1e-6;
 
 double triangleArea(const TriMesh& mesh, std::size_t t) {
@@ -162,7 +163,10 @@ bool ModelDistance::buried(std::size_t body, Index triangle) const {
   const double height = twiceArea.norm() / longest;
   if (!parts_[body].solid || !(height > kLeastHeight * longest)) return false;
   const Vec3 middle = (corner(0) + corner(1) + corner(2)) / 3;
-  const Vec3 step = kBesideSurface * height * twiceArea.normalized();
+  // Nearer than the other side of a slot that is about to close.
+  const double aside =
+      std::min(kBesideSurface * height, kMostBesideSurface * box_.diagonal().norm());
+  const Vec3 step = aside * twiceArea.normalized();
   return winding(middle + step) > 0.5 || winding(middle - step) > 1.5;
 }
 

@@ -87,14 +87,14 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
     trial.line = fmt::format("{}: {} ({:.1f} s)", setting.name, outcome, secondsSince(start));
   };
   const bool solid = body.kind == BodyKind::Solid;
-  const Result<std::string> bytes =
-      runInChild("offset by exact patches", {setting.timeLimit, kAttemptMemoryMiB},
-                 [&]() -> Result<std::string> {
-                   Result<AttemptResult> attempt = tryExactOffset(occtShape(healed.shape), solid,
-                                                                  options.distance, phi, setting);
-                   if (!attempt) return tl::unexpected(attempt.error());
-                   return packAttempt(*attempt);
-                 });
+  const Result<std::string> bytes = runInChild(
+      "offset by exact patches", {setting.timeLimit, kAttemptMemoryMiB},
+      [&]() -> Result<std::string> {
+        Result<AttemptResult> attempt = tryExactOffset(
+            occtShape(healed.shape), solid, setting.reach * options.distance, phi, setting);
+        if (!attempt) return tl::unexpected(attempt.error());
+        return packAttempt(*attempt);
+      });
   if (!bytes) {
     trial.timedOut = bytes.error().code == ErrorCode::ResourceLimit;
     say(bytes.error().message);
@@ -115,6 +115,7 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
   JudgedAttempt judged;
   judged.bodies = bodiesOf(attempt->shape, body.kind, body.name);
   judged.setting = setting.name;
+  judged.reach = setting.reach;
   judged.fittedFaces = attempt->fittedFaces;
   judged.facetedFaces = attempt->facetedFaces;
   judged.check = checkBody(body, judged.bodies, options,
@@ -155,7 +156,7 @@ std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::
 }
 
 AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions& options,
-                       const TrueDistance& phi, const Deadline& deadline,
+                       const TrueDistance& phi, bool mayTouch, const Deadline& deadline,
                        const Progress& progress) {
   const std::vector<AttemptSetting> settings = attemptSettings();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
@@ -164,7 +165,9 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
   const bool sheet = body.kind == BodyKind::Sheet;
   AttemptLog log;
   double leastWorth = kLeastAttempt;
+  bool incomplete = false;  // a result lacks parts, but is right otherwise
   const auto worthTrying = [&](const AttemptSetting& setting) {
+    if (setting.reach < 1) return !sheet && (mayTouch || incomplete);
     return !setting.alwaysRepair || log.rejected;
   };
   std::size_t most = settings.size();
@@ -190,6 +193,7 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
       log.lines.push_back(trial.line);
       if (!trial.judged) continue;
       const CheckResult& check = trial.judged->check;
+      incomplete = incomplete || (check.incomplete && check.reasons.size() == 1);
       const bool better = !log.accepted || trial.judged->facetedFaces < log.accepted->facetedFaces;
       if (trial.accepted) {
         // A result with facets is kept while the next setting may do without.

@@ -16,6 +16,7 @@ namespace phront::cad {
 struct JudgedAttempt {
   std::vector<Body> bodies;
   std::string setting;
+  double reach = 1;
   int fittedFaces = 0;
   int facetedFaces = 0;
   CheckResult check;
@@ -30,10 +31,12 @@ struct AttemptLog {
 /// Tries the settings in order (two at a time when threads allow) until one result passes the check
 /// without a facet, or the `deadline` is reached; fewer facets win. With two at a time the earlier
 /// setting wins, so the choice does not depend on who finishes first. `healed` is
-/// offset and `phi` is its distance; results are checked against `body`, as read.
+/// offset and `phi` is its distance; `mayTouch`: it is known that parts of the offset may be of no
+/// width; results are checked against `body`, as read.
 [[nodiscard]] AttemptLog runAttempts(const Body& body, const Body& healed,
                                      const OffsetOptions& options, const TrueDistance& phi,
-                                     const Deadline& deadline, const Progress& progress);
+                                     bool mayTouch, const Deadline& deadline,
+                                     const Progress& progress);
 
 /// Splits a shape into bodies: one per solid, one per connected sheet.
 [[nodiscard]] std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind,

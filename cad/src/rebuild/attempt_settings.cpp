@@ -3,6 +3,8 @@
 // are tried and each is judged.
 #include "rebuild/exact_offset.h"
 
+#include <fmt/format.h>
+
 namespace phront::cad {
 
 std::vector<AttemptSetting> attemptSettings() {
@@ -21,6 +23,12 @@ std::vector<AttemptSetting> attemptSettings() {
                       .thinPairs = true,
                       .repairSeconds = 12,
                       .timeLimit = 25});
+  for (const double reach : {0.9995, 0.9989}) {
+    AttemptSetting touching = settings.front();
+    touching.name = fmt::format("at {:g} d, where parts touch", reach);
+    touching.reach = reach;
+    settings.push_back(touching);
+  }
   settings.push_back({.name = "cut by phi",
                       .smoothTolerance = 0.01,
                       .dropDeadPatches = true,

@@ -131,6 +131,7 @@ class BodyOffsetter {
       if (Result<void> made = findFront(*phi, 0.1, 0.3); !made) return tl::unexpected(made.error());
       if (front_ && front_->mesh.triangles.empty()) {
         if (provenEmpty()) return std::move(result_);
+        frontIsEmpty_ = true;
         facetsMayFollow = false;  // a rest thinner than the grid: exact patches may still find it
       }
     }
@@ -198,8 +199,9 @@ class BodyOffsetter {
     const double share = sheet             ? kSheetAttemptShare
                          : facetsMayFollow ? kAttemptShare
                                            : kOnlyAttemptsShare;
-    AttemptLog log = runAttempts(body_, healed, options_, phi, Deadline(share * deadline_.left()),
-                                 progress_.part(0.3, 0.8, "exact patches"));
+    AttemptLog log =
+        runAttempts(body_, healed, options_, phi, frontIsEmpty_, Deadline(share * deadline_.left()),
+                    progress_.part(0.3, 0.8, "exact patches"));
     clock_.lap("exact patches");
     report().attempts.insert(report().attempts.end(), log.lines.begin(), log.lines.end());
     if (log.accepted) useAttempt(std::move(*log.accepted), OffsetKind::Exact);
@@ -211,6 +213,7 @@ class BodyOffsetter {
     result_.bodies = std::move(attempt.bodies);
     report().kind = kind;
     report().setting = attempt.setting;
+    report().reach = attempt.reach;
     report().check = std::move(attempt.check);
     report().fittedFaces = attempt.fittedFaces;
     report().facetedFaces = attempt.facetedFaces;
@@ -251,6 +254,7 @@ class BodyOffsetter {
   BodyOffset result_;
   StageClock clock_;
   std::optional<IsoSurface> front_;
+  bool frontIsEmpty_ = false;  ///< though something is left
 };
 
 }  // namespace

@@ -24,6 +24,10 @@ struct AttemptSetting {
   double repairSeconds = 0;
   /// That is done even if they close: for when an earlier setting's result was rejected.
   bool alwaysRepair = false;
+  /// Share of |d| at which the offset is made. At d itself parts of it may touch or be of no width,
+  /// as where a slot just closes, which no solid can have; a little before it is one, within the
+  /// tolerance. Less than 1: for when an earlier result passed but for parts that are missing.
+  double reach = 1;
   double timeLimit = 15;  ///< s
 };
 

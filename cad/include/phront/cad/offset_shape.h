@@ -36,6 +36,7 @@ struct BodyReport {
   int facetedFaces = 0;               ///< planar facets that stand in for curved offset surfaces
   int solids = 0;                     ///< result solids
   std::string setting;                ///< which attempt the judge accepted
+  double reach = 1;  ///< share of the distance it was made at: less where parts just touch
   std::vector<std::string> attempts;  ///< one line each: setting, outcome, seconds
   CheckResult check;
 };
