@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds phront, makes the sample bracket, offsets it by +2 mm and -1 mm,
-# draws both and checks them. Everything it makes lies in samples/out.
+# Installs what is missing, builds phront, makes the sample bracket, offsets it by +2 mm and -1 mm
+# and hollows it, draws all and checks them. Everything it makes lies in samples/out.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 source tests/packages.sh
@@ -25,7 +25,13 @@ offsetAndCheck() {
 offsetAndCheck 2 bracket_plus2
 offsetAndCheck -1 bracket_minus1
 
+echo "== hollow, 1.5 mm of wall, the upright's front open"
+"$phront" shell "$out/bracket.step" -t 1.5 --open F3 -o "$out/bracket_shell.step" \
+  --picture "$out/bracket_shell.png"
+echo "== is bracket_shell.step that shell of bracket.step?"
+"$phront" check "$out/bracket_shell.step" --against "$out/bracket.step" -t 1.5 --open F3
+
 echo
 echo "part     $out/bracket.step"
-echo "results  $out/bracket_plus2.step  $out/bracket_minus1.step"
-echo "pictures $out/bracket_plus2.png  $out/bracket_minus1.png"
+echo "results  $out/bracket_plus2.step  $out/bracket_minus1.step  $out/bracket_shell.step"
+echo "pictures $out/bracket_plus2.png  $out/bracket_minus1.png  $out/bracket_shell.png"
