@@ -120,6 +120,38 @@ class CliTest(unittest.TestCase):
             self.assertEqual(run.returncode, 2, distance + run.stderr)
             self.assertFalse(out.exists())
 
+    def test_shell_is_made_told_and_checked(self) -> None:
+        out = self.out("shell.step")
+        report = self.out("shell.json")
+        run = phront(
+            "shell", self.part, "-t", "1.5", "--open", "F3", "-o", out, "--report", report
+        )
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertIn("measured thickness 1.5 mm", run.stderr)
+        told = json.loads(report.read_text())
+        self.assertEqual(told["open_faces"], 1)
+        self.assertLess(told["check"]["accuracy_p99_mm"], 1e-6)
+        against = ("check", out, "--against", self.part)
+        self.assertEqual(phront(*against, "-t", "1.5", "--open", "F3").returncode, 0)
+        self.assertEqual(phront(*against, "-t", "1.6", "--open", "F3").returncode, 4)
+        self.assertEqual(phront(*against, "-t", "1.5").returncode, 4)
+        self.assertEqual(phront(*against, "-t", "1.5", "-d", "1").returncode, 2)
+        self.assertEqual(phront(*against).returncode, 2)
+
+    def test_shell_refusals_say_why_and_write_nothing(self) -> None:
+        out = self.out("none.step")
+        for arguments, code, word in (
+            (("-t", "0"), 2, "positive"),
+            (("-t", "1", "--open", "F99"), 2, "F99"),
+            (("-t", "1", "--open", "lid"), 2, "normal:+z"),
+            (("-t", "1", "--open", "F6"), 1, "not planar"),
+            (("-t", "1", "--side", "up"), 2, "up"),
+        ):
+            run = phront("shell", self.part, "-o", out, *arguments)
+            self.assertEqual(run.returncode, code, run.stderr)
+            self.assertIn(word, run.stderr)
+            self.assertFalse(out.exists())
+
     def test_unknown_output_extension_is_named(self) -> None:
         run = phront("offset", self.part, "-o", self.out("a.xyz"), "-d", "1")
         self.assertEqual(run.returncode, 2)
