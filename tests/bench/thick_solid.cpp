@@ -5,6 +5,7 @@
 // Exit 0 a shape was written; 1 none came; 2 usage; 3 unreadable.
 #include <fmt/format.h>
 
+#include <BRepCheck_Analyzer.hxx>
 #include <BRepOffsetAPI_MakeThickSolid.hxx>
 #include <BRepTools.hxx>
 #include <OSD.hxx>
@@ -12,6 +13,7 @@
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
+#include <TopoDS_Shape.hxx>
 #include <cstdlib>
 
 #include "phront/cad/exchange.h"
@@ -30,15 +32,22 @@ int main(int argc, char** argv) {
   const int face = std::atoi(argv[3]);
   if (face < 1 || face > faces.Extent()) return 2;
   OSD::SetSignal(Standard_False);
-  try {
-    TopTools_ListOfShape open;
-    open.Append(faces(face));
-    BRepOffsetAPI_MakeThickSolid thick;
-    thick.MakeThickSolidByJoin(solid, open, -std::atof(argv[4]), 1e-4, BRepOffset_Skin,
-                               Standard_False, Standard_False, GeomAbs_Arc);
-    if (!thick.IsDone() || thick.Shape().IsNull()) return 1;
-    return BRepTools::Write(thick.Shape(), argv[2]) ? 0 : 1;
-  } catch (const Standard_Failure&) {
-    return 1;
+  TopTools_ListOfShape open;
+  open.Append(faces(face));
+  TopoDS_Shape best;
+  // FreeCAD's default, then CadQuery's; the first that is valid, else the first at all.
+  for (const bool intersection : {false, true}) {
+    try {
+      BRepOffsetAPI_MakeThickSolid thick;
+      thick.MakeThickSolidByJoin(solid, open, -std::atof(argv[4]), 1e-4, BRepOffset_Skin,
+                                 intersection, Standard_False, GeomAbs_Arc);
+      if (!thick.IsDone() || thick.Shape().IsNull()) continue;
+      const bool valid = BRepCheck_Analyzer(thick.Shape()).IsValid();
+      if (best.IsNull() || valid) best = thick.Shape();
+      if (valid) break;
+    } catch (const Standard_Failure&) {
+      continue;
+    }
   }
+  return !best.IsNull() && BRepTools::Write(best, argv[2]) ? 0 : 1;
 }
