@@ -123,9 +123,12 @@ Result<ShellResult> shellModel(const Model& model, const ShellOptions& requested
   report.check = emptyCheck();
   const Deadline deadline(requested.timeLimit);
   const std::size_t count = model.bodies.size();
+  int firstNumber = 1;
   for (std::size_t b = 0; b < count; ++b) {
     ShellBodyRequest request;
     request.open = openFacesOf(requested, b);
+    request.firstNumber = firstNumber;
+    firstNumber += faceCount(model.bodies[b].shape);
     request.walls = wallsOf(requested);
     request.tolerance = *report.options.tolerance;
     request.threads = requested.threads;

@@ -60,7 +60,7 @@ struct OpenFace {
   gp_Dir normal;  ///< out of the material
 };
 
-Result<OpenFace> openFace(const EdgeTable& table, int index, double diagonal) {
+Result<OpenFace> openFace(const EdgeTable& table, int index, int number, double diagonal) {
   const TopoDS_Face& face = table.faces[static_cast<std::size_t>(index)];
   const GeomLib_IsPlanarSurface planar(BRep_Tool::Surface(face), kPlanarity * diagonal);
   const BRepAdaptor_Surface surface(face);
@@ -68,10 +68,8 @@ Result<OpenFace> openFace(const EdgeTable& table, int index, double diagonal) {
                         0.5 * (surface.FirstVParameter() + surface.LastVParameter()));
   const std::optional<gp_Vec> normal = outwardNormal(face, middle);
   if (!planar.IsPlanar() || !normal) {
-    return fail(
-        ErrorCode::NotSupported,
-        fmt::format("face F{} of the body is not planar: only planar faces can be left open",
-                    index + 1));
+    return fail(ErrorCode::NotSupported,
+                fmt::format("face F{} is not planar: only planar faces can be left open", number));
   }
   return OpenFace{index, face, surface.Value(middle.X(), middle.Y()), gp_Dir(*normal)};
 }
@@ -79,16 +77,17 @@ Result<OpenFace> openFace(const EdgeTable& table, int index, double diagonal) {
 /// Where open faces meet, and where they meet others.
 class Extender {
  public:
-  Extender(const TopoDS_Shape& solid, double height, bool outwards)
+  Extender(const TopoDS_Shape& solid, double height, bool outwards, int firstNumber)
       : solid_(solid),
         table_(makeEdgeTable(solid, 1, kSmoothAngle)),
         diagonal_(diagonalOf(solid)),
         height_(height),
-        outwards_(outwards) {}
+        outwards_(outwards),
+        firstNumber_(firstNumber) {}
 
   Result<ThroughOpenings> run(const std::vector<int>& open) {
     for (const int index : open) {
-      Result<OpenFace> face = openFace(table_, index, diagonal_);
+      Result<OpenFace> face = openFace(table_, index, numberOf(index), diagonal_);
       if (!face) return tl::unexpected(face.error());
       slotOf_[index] = static_cast<int>(faces_.size());
       faces_.push_back(*face);
@@ -117,6 +116,7 @@ class Extender {
   }
 
  private:
+  [[nodiscard]] int numberOf(int face) const { return firstNumber_ + face; }
   [[nodiscard]] bool isOpen(int face) const { return slotOf_.count(face) > 0; }
   [[nodiscard]] bool isInner(const EdgeInfo& edge) const {
     return edge.face2 >= 0 && isOpen(edge.face1) && isOpen(edge.face2);
@@ -192,7 +192,7 @@ class Extender {
     return opening;
   }
 
-  static tl::unexpected<Error> refusal(int neighbour, int open, double angle) {
+  [[nodiscard]] tl::unexpected<Error> refusal(int neighbour, int open, double angle) const {
     const char* how = angle < 0
                           ? "rises from the open face F{}, so that an outer wall would stand in "
                             "the opening"
@@ -200,7 +200,7 @@ class Extender {
                             "end in a feather edge";
     return fail(ErrorCode::NotSupported,
                 fmt::format("face F{} {}: hollow inwards, or leave another face open",
-                            neighbour + 1, fmt::format(fmt::runtime(how), open + 1)));
+                            numberOf(neighbour), fmt::format(fmt::runtime(how), numberOf(open))));
   }
 
   /// Stands on the face. Along a wire that any face rises from it leans inwards, all along: sides
@@ -240,7 +240,7 @@ class Extender {
       return fail(ErrorCode::NotSupported,
                   fmt::format("face F{} cannot be left open: a face rises from it that is neither "
                               "planar nor round",
-                              open.index + 1));
+                              numberOf(open.index)));
     }
     return draft.Shape();
   }
@@ -292,6 +292,7 @@ class Extender {
   double diagonal_;
   double height_;
   bool outwards_;
+  int firstNumber_;  ///< of the solid's first face, for sentences
   std::vector<OpenFace> faces_;
   std::map<int, int> slotOf_;  ///< face -> index into faces_
   std::vector<int> group_;
@@ -300,8 +301,8 @@ class Extender {
 }  // namespace
 
 Result<ThroughOpenings> extendThrough(const TopoDS_Shape& solid, const std::vector<int>& open,
-                                      double height, bool outwards) {
-  return Extender(solid, height, outwards).run(open);
+                                      double height, bool outwards, int firstNumber) {
+  return Extender(solid, height, outwards, firstNumber).run(open);
 }
 
 }  // namespace phront::cad

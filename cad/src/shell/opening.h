@@ -28,12 +28,12 @@ struct ThroughOpenings {
 /// face that rises from the opening at 90 degrees or more inside the material: there the prism
 /// leans away from it by kDraft, and the distance is too small by at most 1 - cos(kDraft), 0.02 %.
 /// `outwards`: the outer side is wanted, too; then neighbours of an opening must turn away from it
-/// by 43 degrees or more. Fails with
+/// by 43 degrees or more. `firstNumber`: what the user calls the solid's first face. Fails with
 /// NotSupported and a sentence that names the face. May throw, hang or crash with OpenCASCADE: call
 /// it in runInChild.
 [[nodiscard]] Result<ThroughOpenings> extendThrough(const TopoDS_Shape& solid,
                                                     const std::vector<int>& open, double height,
-                                                    bool outwards);
+                                                    bool outwards, int firstNumber);
 
 /// rad
 inline constexpr double kDraft = 0.02;

@@ -64,8 +64,8 @@ Result<Extended> extend(const TopoDS_Shape& solid, const ShellBodyRequest& reque
   const Result<std::string> bytes =
       runInChild("extending the part through its openings", {kExtendSeconds, kExtendMemoryMiB},
                  [&]() -> Result<std::string> {
-                   const Result<ThroughOpenings> made =
-                       extendThrough(solid, request.open, height, request.walls.outer > 0);
+                   const Result<ThroughOpenings> made = extendThrough(
+                       solid, request.open, height, request.walls.outer > 0, request.firstNumber);
                    if (!made) return tl::unexpected(made.error());
                    BRep_Builder builder;
                    TopoDS_Compound all;

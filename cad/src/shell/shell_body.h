@@ -10,6 +10,7 @@ namespace phront::cad {
 
 struct ShellBodyRequest {
   std::vector<int> open;  ///< 0-based faces of the body
+  int firstNumber = 1;    ///< of the body's first face, as the user counts them
   ShellWalls walls;
   double tolerance = 0;  ///< mm
   int threads = 0;
