@@ -99,7 +99,10 @@ TopoDS_Shape plane(double size, double z) {
 Model modelOf(const std::vector<TopoDS_Shape>& shapes, BodyKind kind = BodyKind::Solid) {
   Model model;
   for (const TopoDS_Shape& shape : shapes) {
-    model.bodies.push_back(Body{makeShape(shape), kind, "", {}});
+    Body body;
+    body.shape = makeShape(shape);
+    body.kind = kind;
+    model.bodies.push_back(std::move(body));
   }
   return model;
 }
