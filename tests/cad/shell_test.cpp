@@ -141,6 +141,14 @@ TEST(Shell, TooThinToBeHollowStaysAsItIs) {
   EXPECT_EQ(shell.report.warnings.size(), 1U);
 }
 
+TEST(Shell, TooThinToBeHollowStillGrows) {
+  const Model model = modelOf(block());
+  const ShellResult shell = shellOf(model, optionsFor(model, 12, "", ShellSide::Both));
+  // Steiner: volume, area, edges, ball.
+  const double edges = 4.0 * (20 + 30 + 10);
+  EXPECT_NEAR(volumeOf(shell), 6000 + 2200 * 6 + edges * pi / 4 * 36 + 4 * pi / 3 * 216, 1e-5);
+}
+
 TEST(Shell, RefusalsNameTheFace) {
   const Model round = modelOf(test::cylinder(10, 20));
   ShellOptions options = optionsFor(round, 1, "area:max");

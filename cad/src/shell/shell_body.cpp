@@ -122,8 +122,11 @@ class BodySheller {
     } else {
       tools.push_back(extended->solid);
     }
-    if (tools.empty()) return full();
-    cut(*extended, from, tools);
+    if (tools.empty() && request_.walls.outer == 0) return full();
+    if (tools.empty())
+      accepts("grown, nothing to cut", from);
+    else
+      cut(*extended, from, tools);
     return std::move(made_);
   }
 
