@@ -76,7 +76,8 @@ int runShell(const ShellArguments& arguments) {
   if (const Result<void> ok = checkOutputPath(arguments.out, arguments.in); !ok)
     return reportError(ok.error());
   if (isMeshPath(arguments.in) || isMeshPath(arguments.out))
-    return reportUsage("shells are made of CAD solids: name a STEP, IGES or BREP file in and out");
+    return reportUsage(
+        "shells are made of CAD solids and sheets: name a STEP, IGES or BREP file in and out");
   if (const Result<cad::ShapeFormat> format = cad::shapeFormatOf(arguments.out); !format)
     return reportError(format.error());
   const Result<cad::Model> model = cad::readModel(arguments.in);
@@ -95,8 +96,9 @@ int runShell(const ShellArguments& arguments) {
 }  // namespace
 
 void addShellCommand(CLI::App& app, int& exitCode) {
-  CLI::App* command = app.add_subcommand(
-      "shell", "Hollow a solid (STEP IGES BREP) to a wall of one thickness, with open faces");
+  CLI::App* command = app.add_subcommand("shell",
+                                         "Hollow a solid (STEP IGES BREP) to a wall of one "
+                                         "thickness, with open faces; thicken a sheet");
   auto arguments = std::make_shared<ShellArguments>();
   command->add_option("IN", arguments->in, "Input file")->required();
   command->add_option("-o,--output", arguments->out, "Output file; its extension names the format")

@@ -10,8 +10,10 @@ CLI::Option* addShellWish(CLI::App& command, ShellWish& wish) {
                      "Shell: planar faces left open: F3,F7 (see info -v), name:lid*, normal:+z, "
                      "area:max");
   command
-      .add_option("--side", wish.side,
-                  "Shell: where the wall lies: inside of the faces, outside, half on either side")
+      .add_option(
+          "--side", wish.side,
+          "Shell: where the wall lies: inside of the faces (of a sheet: against its normals), "
+          "outside, half on either side")
       ->check(CLI::IsMember({"in", "out", "both"}))
       ->capture_default_str();
   return command.add_option("-t,--thickness", wish.thickness, "Shell: thickness of the wall");

@@ -11,7 +11,9 @@
 #include "deadline.h"
 #include "judge/check_body.h"
 #include "judge/check_shell.h"
+#include "judge/check_thick.h"
 #include "shell/shell_body.h"
+#include "shell/thicken_body.h"
 #include "write_checked.h"
 
 namespace phront::cad {
@@ -54,16 +56,16 @@ Result<void> checkRequest(const Model& model, const ShellOptions& options) {
   if (!(options.timeLimit > 0))
     return fail(ErrorCode::InvalidArgument, "the time limit must be a positive number of seconds");
   if (model.bodies.empty())
-    return fail(ErrorCode::InvalidArgument, "the model holds no body to hollow");
-  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
-    if (model.bodies[b].kind != BodyKind::Solid)
-      return fail(ErrorCode::NotSupported,
-                  nameOf(model, b) + " is a sheet, which holds nothing to hollow: give solids");
-  }
+    return fail(ErrorCode::InvalidArgument, "the model holds no body to give a wall");
   for (const FaceId& id : options.open) {
     if (id.body >= model.bodies.size() || id.face < 0 ||
         id.face >= faceCount(model.bodies[id.body].shape))
       return fail(ErrorCode::InvalidArgument, "a face to be left open is not in the model");
+    if (model.bodies[id.body].kind == BodyKind::Sheet)
+      return fail(ErrorCode::InvalidArgument,
+                  nameOf(model, id.body) +
+                      " is a sheet, which becomes a solid of the given thickness: it has no face "
+                      "to leave open; only faces of solids can be");
   }
   return {};
 }
@@ -136,8 +138,8 @@ Result<ShellResult> shellModel(const Model& model, const ShellOptions& requested
     const auto share = [&](std::size_t k) {
       return static_cast<double>(k) / static_cast<double>(count);
     };
-    Result<BodyShell> shell =
-        shellBody(model.bodies[b], request, progress.part(share(b), share(b + 1)));
+    const auto make = model.bodies[b].kind == BodyKind::Sheet ? thickenBody : shellBody;
+    Result<BodyShell> shell = make(model.bodies[b], request, progress.part(share(b), share(b + 1)));
     if (!shell) return tl::unexpected(shell.error());
     if (shell->full)
       report.warnings.push_back(nameOf(model, b) +
@@ -165,7 +167,9 @@ Result<CheckResult> checkShell(const Model& in, const Model& out, const ShellOpt
     check.samples = samples;
     check.timeLimit = std::max(1.0, deadline.left() / static_cast<double>(in.bodies.size() - b));
     const Result<CheckResult> part =
-        checkBodyShell(in.bodies[b], openFacesOf(options, b), shells[b], check);
+        in.bodies[b].kind == BodyKind::Sheet
+            ? checkThickSheet(in.bodies[b], shells[b], check)
+            : checkBodyShell(in.bodies[b], openFacesOf(options, b), shells[b], check);
     if (!part) return tl::unexpected(part.error());
     addCheck(whole, *part, in.bodies.size() > 1 ? nameOf(in, b) : std::string());
   }

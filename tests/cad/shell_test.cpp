@@ -162,9 +162,6 @@ TEST(Shell, RefusalsNameTheFace) {
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, ErrorCode::NotSupported);
 
-  Model sheet = modelOf(block());
-  sheet.bodies.front().kind = BodyKind::Sheet;
-  EXPECT_EQ(shellModel(sheet, optionsFor(sheet, 1, "")).error().code, ErrorCode::NotSupported);
   EXPECT_EQ(shellModel(round, optionsFor(round, 0, "")).error().code, ErrorCode::InvalidArgument);
   EXPECT_EQ(shellModel(round, optionsFor(round, NAN, "")).error().code, ErrorCode::InvalidArgument);
 }

@@ -16,27 +16,21 @@
 #include <cmath>
 #include <deque>
 #include <limits>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 
 #include "exchange/face_set.h"
-#include "exchange/guard.h"
 #include "judge/check_sampling.h"
 #include "judge/check_topology.h"
+#include "judge/wall_verdict.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 
 namespace phront::cad {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kDeflectionOfDiagonal = 4e-4;
 constexpr double kDeflectionOfThickness = 0.015;
-constexpr double kShareBeyond = 0.01;  // of the area may be off by more than the tolerance
-constexpr double kMaxFactor = 10;      // largest deviation allowed, in tolerances
-constexpr double kBuried = 0.002;
 constexpr double kLooseKeep = 1.2e-3;  // of the wall: nearer to another face than this is cut off
 constexpr double kNearOpening = 1.5;   // walls from an opening: what lies above it is beyond
 constexpr int kPerFace = 20;
@@ -101,18 +95,7 @@ class ShellMeasure {
   ShellMeasure(const Parts& parts, const ModelDistance& out, const ShellCheckOptions& options)
       : parts_(parts), out_(out), options_(options) {}
 
-  struct Figures {
-    WeightedErrors walls;
-    WeightedErrors all;
-    WeightedErrors missing;
-    double max = 0;
-    double missingMax = 0;
-    double buried = 0;
-    Vec3 worst = Vec3::Zero();
-    Vec3 worstMissing = Vec3::Zero();
-  };
-
-  Figures run() {
+  WallFigures run() {
     measureAccuracy();
     measureCoverage();
     return std::move(figures_);
@@ -129,12 +112,7 @@ class ShellMeasure {
       const SurfaceSample& s = samples[i];
       bool wall = false;
       const double error = errorAt(s.point, wall);
-      figures_.all.add(error, s.weight);
-      if (wall) figures_.walls.add(error, s.weight);
-      if (error > figures_.max) {
-        figures_.max = error;
-        figures_.worst = s.point;
-      }
+      figures_.addPoint(s.point, error, wall, s.weight);
       if (i % stride != 0) continue;
       sided += s.weight;
       if (out_.buried(s.body, s.triangle)) buried += s.weight;
@@ -208,69 +186,13 @@ class ShellMeasure {
     miss(q, weight);
   }
 
-  void miss(const Vec3& q, double weight) {
-    const double error = out_.distance(q);
-    figures_.missing.add(error, weight);
-    if (error > figures_.missingMax) {
-      figures_.missingMax = error;
-      figures_.worstMissing = q;
-    }
-  }
+  void miss(const Vec3& q, double weight) { figures_.addMissing(q, out_.distance(q), weight); }
 
   const Parts& parts_;
   const ModelDistance& out_;
   const ShellCheckOptions& options_;
-  Figures figures_;
+  WallFigures figures_;
 };
-
-std::string at(const Vec3& p) {
-  return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
-}
-
-void judgeTopology(const TopologyFigures& t, CheckResult& result) {
-  result.solids = t.solids;
-  result.shells = t.shells;
-  result.faces = t.faces;
-  result.valid = t.valid;
-  result.closed = t.closed();
-  result.volume = t.volume;
-  if (!t.valid) result.reasons.emplace_back("OpenCASCADE's BRepCheck finds the shell invalid.");
-  if (t.solids == 0) result.reasons.emplace_back("The shell holds no solid.");
-  if (!t.closed())
-    result.reasons.push_back(
-        fmt::format("The shell is not closed: {} edges are used once, {} more "
-                    "than twice.",
-                    t.freeEdges, t.overusedEdges));
-  if (t.badSolids > 0 || !(t.volume > 0))
-    result.reasons.emplace_back("A solid of the shell has no positive volume.");
-}
-
-void judgeWalls(const ShellMeasure::Figures& f, const ShellCheckOptions& options,
-                CheckResult& result) {
-  const double bound = kCheckStrictness * options.tolerance;
-  const double most = kMaxFactor * bound;
-  result.accuracyP99 = f.walls.quantile(0.99);
-  result.accuracyMax = f.max;
-  result.coverageP99 = f.missing.quantile(0.99);
-  result.coverageMax = f.missingMax;
-  result.buried = f.buried;
-  result.worstPoint = f.max > f.missingMax ? f.worst : f.worstMissing;
-  const double share = kCheckStrictness * kShareBeyond;
-  if (f.walls.shareAbove(bound) > share || f.all.shareAbove(bound) > share || f.max > most)
-    result.reasons.push_back(
-        fmt::format("The walls do not have their thickness: the worst point is {:.3g} mm off, near "
-                    "{}.",
-                    f.max, at(f.worst)));
-  if (f.missing.empty())
-    result.reasons.emplace_back("Nothing of the walls could be confirmed.");
-  else if (f.missing.shareAbove(bound) > share || f.missingMax > most)
-    result.reasons.push_back(
-        fmt::format("A part of a wall is missing or buried: the shell is {:.3g} mm away from {}.",
-                    f.missingMax, at(f.worstMissing)));
-  if (f.buried > kCheckStrictness * kBuried)
-    result.reasons.push_back(fmt::format(
-        "The shell overlaps itself: {:.3g} % of its area lies inside it.", 100 * f.buried));
-}
 
 Result<CheckResult> measure(const Body& in, const std::vector<int>& open,
                             const std::vector<Body>& out, const ShellCheckOptions& options) {
@@ -300,57 +222,15 @@ Result<CheckResult> measure(const Body& in, const std::vector<int>& open,
   if (result.untessellatedFaces > 0)
     result.reasons.push_back(
         fmt::format("{} faces of the shell cannot be tessellated.", result.untessellatedFaces));
-  judgeWalls(ShellMeasure(*parts, *distance, options).run(), options, result);
+  judgeWalls(ShellMeasure(*parts, *distance, options).run(), options.tolerance, result);
   return result;
-}
-
-std::string bytesOf(const CheckResult& r) {
-  const Json json =
-      Json::array({r.solids, r.shells, r.faces, r.valid, r.closed, r.volume, r.accuracyP99,
-                   r.accuracyMax, r.coverageP99, r.coverageMax, r.buried, r.untessellatedFaces,
-                   r.worstPoint.x(), r.worstPoint.y(), r.worstPoint.z(), r.reasons});
-  std::string bytes;
-  Json::to_cbor(json, bytes);
-  return bytes;
-}
-
-CheckResult resultOf(const std::string& bytes) {
-  const Json json = Json::from_cbor(bytes);
-  CheckResult r;
-  std::size_t next = 0;
-  const auto read = [&](auto& value) { json.at(next++).get_to(value); };
-  read(r.solids);
-  read(r.shells);
-  read(r.faces);
-  read(r.valid);
-  read(r.closed);
-  read(r.volume);
-  read(r.accuracyP99);
-  read(r.accuracyMax);
-  read(r.coverageP99);
-  read(r.coverageMax);
-  read(r.buried);
-  read(r.untessellatedFaces);
-  read(r.worstPoint.x());
-  read(r.worstPoint.y());
-  read(r.worstPoint.z());
-  read(r.reasons);
-  return r;
 }
 
 }  // namespace
 
 Result<CheckResult> checkBodyShell(const Body& in, const std::vector<int>& open,
                                    const std::vector<Body>& out, const ShellCheckOptions& options) {
-  GuardLimits limits;
-  limits.seconds = options.timeLimit;
-  const auto bytes = runInChild("checking the shell", limits, [&]() -> Result<std::string> {
-    const Result<CheckResult> measured = measure(in, open, out, options);
-    if (!measured) return tl::unexpected(measured.error());
-    return bytesOf(*measured);
-  });
-  if (!bytes) return tl::unexpected(bytes.error());
-  return resultOf(*bytes);
+  return checkInChild(options.timeLimit, [&] { return measure(in, open, out, options); });
 }
 
 }  // namespace phront::cad

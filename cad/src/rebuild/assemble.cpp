@@ -1,11 +1,9 @@
-// BOPAlgo_MakerVolume makes every closed cell of a set of faces that share edges, with cavities and
-// orientation; of the cells those inside (phi grows across their boundary outwards) are the offset.
-// "Cells" is the second way: divide space by all pieces, keep the cells with phi < d, take the
-// faces that bound exactly one of them; it survives tiny coinciding pieces that leave the first way
-// open, and fails where one bad face lets two cells run into one.
+// Of the closed cells of a set of faces those inside (phi grows across their boundary outwards) are
+// the offset. "Cells" is the second way: divide space by all pieces, keep the cells with phi < d,
+// take the faces that bound exactly one of them; it survives tiny coinciding pieces that leave the
+// first way open, and fails where one bad face lets two cells run into one.
 #include "rebuild/assemble.h"
 
-#include <BOPAlgo_MakerVolume.hxx>
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
@@ -29,6 +27,7 @@
 #include <functional>
 
 #include "patches/patch_tools.h"
+#include "rebuild/cells.h"
 #include "rebuild/facet_gaps.h"
 #include "rebuild/fill_gaps.h"
 
@@ -58,29 +57,6 @@ TopoDS_Shape asOne(const std::vector<TopoDS_Shape>& shapes) {
   builder.MakeCompound(compound);
   for (const TopoDS_Shape& s : shapes) builder.Add(compound, s);
   return compound;
-}
-
-std::vector<TopoDS_Shape> partsOf(const TopoDS_Shape& shape, TopAbs_ShapeEnum kind) {
-  std::vector<TopoDS_Shape> parts;
-  if (shape.IsNull()) return parts;
-  TopTools_IndexedMapOfShape map;
-  TopExp::MapShapes(shape, kind, map);
-  for (int i = 1; i <= map.Extent(); ++i) parts.push_back(map(i));
-  return parts;
-}
-
-std::vector<TopoDS_Shape> cellsOf(const std::vector<TopoDS_Shape>& faces) {
-  if (faces.empty()) return {};
-  BOPAlgo_MakerVolume maker;
-  TopTools_ListOfShape arguments;
-  for (const TopoDS_Shape& face : faces) arguments.Append(face);
-  maker.SetArguments(arguments);
-  maker.SetIntersect(Standard_False);
-  maker.SetAvoidInternalShapes(Standard_True);
-  maker.SetRunParallel(Standard_False);
-  maker.Perform();
-  if (maker.HasErrors()) return {};
-  return partsOf(maker.Shape(), TopAbs_SOLID);
 }
 
 bool hasVolume(const TopoDS_Shape& solid, double diagonal) {

@@ -1,4 +1,4 @@
-// Hollowing: a solid in, its wall out, with openings.
+// Walls: a solid in, hollow out, with openings; a sheet in, a solid of its thickness out.
 #pragma once
 
 #include <filesystem>
@@ -15,8 +15,8 @@
 namespace phront::cad {
 
 enum class ShellSide {
-  In,    ///< the wall lies inside the part's faces, which stay
-  Out,   ///< outside of them: the part becomes the cavity
+  In,    ///< inside the faces, which stay; of a sheet: against its normals
+  Out,   ///< outside of them: the part becomes the cavity; of a sheet: along its normals
   Both,  ///< half of the thickness on either side
 };
 
@@ -48,9 +48,11 @@ struct ShellResult {
 /// Makes the wall of every solid: all that lies within the thickness of the faces that are not
 /// open, on the side wanted, and does not reach beyond an opening. Concave edges of the far side
 /// are sharp, convex ones rounded (arc join), so that the thickness is the same everywhere. A part
-/// too thin to be hollow stays as it is, with a warning. Always judged; a result that fails is
-/// still returned, `accepted()` is then false. Fails with InvalidArgument, NotSupported (sheets,
-/// openings that are not planar), UnreadableInput, Failed, ResourceLimit, Cancelled.
+/// too thin to be hollow stays as it is, with a warning. Sheets become the solids between their two
+/// sides; along their free edges these end straight, along the normals. Always judged; a result
+/// that fails is still returned, `accepted()` is then false. Fails with InvalidArgument,
+/// NotSupported (openings that are not planar; sheets whose faces disagree which side is out),
+/// UnreadableInput, Failed, ResourceLimit, Cancelled.
 [[nodiscard]] Result<ShellResult> shellModel(const Model& model, const ShellOptions& options,
                                              const Progress& progress = {});
 

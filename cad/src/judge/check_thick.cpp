@@ -1,0 +1,145 @@
+#include "judge/check_thick.h"
+
+#include <BRep_Builder.hxx>
+#include <GCPnts_AbscissaPoint.hxx>
+#include <TopoDS_Compound.hxx>
+#include <algorithm>
+#include <cmath>
+
+#include "judge/check_sampling.h"
+#include "judge/check_topology.h"
+#include "judge/thick_sheet.h"
+#include "judge/wall_verdict.h"
+#include "patches/patch_tools.h"
+#include "phront/cad/shape_occt.h"
+
+namespace phront::cad {
+namespace {
+
+constexpr double kDeflectionOfDiagonal = 4e-4;
+constexpr double kDeflectionOfThickness = 0.015;
+constexpr double kLooseKeep = 1.2e-3;  // of the height: nearer to the sheet than this is cut off
+constexpr int kPerFace = 20;
+constexpr int kPerEdge = 40;  // at least
+constexpr int kSideSamples = 6000;
+constexpr std::uint64_t kAccuracySeed = 0x9fb21c651e98df25;
+constexpr std::uint64_t kCoverageSeed = 0xe7037ed1a0b428db;
+
+class ThickMeasure {
+ public:
+  ThickMeasure(const ModelDistance& sheet, const FreeBorder& border, const ModelDistance& out,
+               const ShellCheckOptions& options)
+      : sheet_(sheet),
+        border_(border),
+        out_(out),
+        options_(options),
+        thick_(sheet.body(0), border, options.walls) {}
+
+  WallFigures run() {
+    measureAccuracy();
+    SampleRng rng(kCoverageSeed);
+    coverSides(rng);
+    coverWalls(rng);
+    return std::move(figures_);
+  }
+
+ private:
+  void measureAccuracy() {
+    SampleRng rng(kAccuracySeed);
+    const std::vector<SurfaceSample> samples = out_.surfaceSamples(options_.samples, kPerFace, rng);
+    const std::size_t stride = samples.size() / kSideSamples + 1;
+    double sided = 0;
+    double buried = 0;
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const SurfaceSample& s = samples[i];
+      const ThickSheet::Offset off = thick_.offBoundary(s.point);
+      figures_.addPoint(s.point, off.error, off.side, s.weight);
+      if (i % stride != 0) continue;
+      sided += s.weight;
+      if (out_.buried(s.body, s.triangle)) buried += s.weight;
+    }
+    if (sided > 0) figures_.buried = buried / sided;
+  }
+
+  void coverSides(SampleRng& rng) {
+    const double heights[] = {-options_.walls.inner, options_.walls.outer};
+    for (const SurfaceSample& s : sheet_.surfaceSamples(options_.samples, kPerFace, rng))
+      for (const double height : heights) mustBe(s.point + height * s.normal, height, s.weight);
+    RoundingDensity density;
+    density.perArea = options_.samples / sheet_.area();
+    for (const double height : heights) {
+      if (height == 0) continue;
+      for (const OffsetCandidate& c : roundingCandidates(sheet_.shape(0), height, density, rng))
+        if (!sheet_.body(0).foot(c.point).beyondBorder) mustBe(c.point, height, c.weight);
+    }
+  }
+
+  void coverWalls(SampleRng& rng) {
+    const ShellWalls& walls = options_.walls;
+    const double perArea = options_.samples / sheet_.area();
+    for (const FreeEdge& edge : border_.edges()) {
+      const double area = GCPnts_AbscissaPoint::Length(edge.curve()) * walls.thickness();
+      const int count =
+          std::clamp(static_cast<int>(std::min(area * perArea, 1e6)), kPerEdge, options_.samples);
+      for (int i = 0; i < count; ++i) {
+        const double share = (i + rng()) / count;
+        const double height = walls.thickness() * rng() - walls.inner;
+        const std::optional<BorderPoint> b =
+            edge.at(edge.first() + share * (edge.last() - edge.first()));
+        if (b) mustBe(b->point + height * b->normal, height, area / count);
+      }
+    }
+  }
+
+  /// q is a point of the boundary unless the sheet is nearer than that.
+  void mustBe(const Vec3& q, double height, double weight) {
+    if (sheet_.distance(q) < std::abs(height) * (1 - kLooseKeep)) return;
+    figures_.addMissing(q, out_.distance(q), weight);
+  }
+
+  const ModelDistance& sheet_;
+  const FreeBorder& border_;
+  const ModelDistance& out_;
+  const ShellCheckOptions& options_;
+  const ThickSheet thick_;
+  WallFigures figures_;
+};
+
+Result<CheckResult> measure(const Body& in, const std::vector<Body>& out,
+                            const ShellCheckOptions& options) {
+  const double thickness = options.walls.thickness();
+  const MeshSize size = meshSize({diagonalOf(occtShape(in.shape)), thickness, true},
+                                 kDeflectionOfDiagonal, kDeflectionOfThickness);
+  TessellateOptions mesh;
+  mesh.deflection = size.deflection;
+  mesh.angle = size.angle;
+  mesh.distance = thickness;
+  const auto sheet = ModelDistance::build({in}, mesh, "the sheet");
+  if (!sheet) return tl::unexpected(sheet.error());
+  const FreeBorder border(occtShape(in.shape), size.deflection);
+
+  BRep_Builder builder;
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
+  for (const Body& body : out) builder.Add(all, occtShape(body.shape));
+  CheckResult result;
+  judgeTopology(measureTopology(all), result);
+  if (!result.reasons.empty()) return result;
+  const auto distance = ModelDistance::build(out, mesh, "the thickened sheet");
+  if (!distance) {
+    result.reasons.push_back("The shell cannot be measured: " + distance.error().message);
+    return result;
+  }
+  result.untessellatedFaces = distance->untessellatedFaces();
+  judgeWalls(ThickMeasure(*sheet, border, *distance, options).run(), options.tolerance, result);
+  return result;
+}
+
+}  // namespace
+
+Result<CheckResult> checkThickSheet(const Body& in, const std::vector<Body>& out,
+                                    const ShellCheckOptions& options) {
+  return checkInChild(options.timeLimit, [&] { return measure(in, out, options); });
+}
+
+}  // namespace phront::cad
