@@ -39,6 +39,8 @@ constexpr int kFewestKept = 5;
 // part and against d, yet no finer, since queries and meshing are most of the time.
 constexpr double kDeflectionOfDiagonal = 4e-4;
 constexpr double kDeflectionOfDistance = 0.015;
+// Of the time: what takes longer to tessellate is measured from coarser triangles.
+constexpr double kMeshShare = 0.4;
 constexpr std::uint64_t kAccuracySeed = 0x9e3779b97f4a7c15;
 constexpr std::uint64_t kCoverageSeed = 0xbf58476d1ce4e5b9;
 
@@ -269,8 +271,8 @@ CheckResult judge(const Figures& f, double tolerance) {
 }
 
 /// Runs in the child.
-Figures measure(const Model& in, const Model& out, MeasureOptions options, double tolerance,
-                bool meshPlainly) {
+Figures measure(const Model& in, const Model& out, MeasureOptions options,
+                const CheckOptions& check) {
   Figures figures;
   figures.outEmpty = isEmpty(out);
   TessellateOptions mesh;
@@ -281,6 +283,7 @@ Figures measure(const Model& in, const Model& out, MeasureOptions options, doubl
   mesh.deflection = size.deflection;
   mesh.angle = size.angle;
   mesh.distance = std::abs(options.distance);
+  mesh.timeLimit = kMeshShare * check.timeLimit;
   const auto inDistance = ModelDistance::build(in.bodies, mesh, "the input");
   if (!inDistance) {
     figures.inError = inDistance.error().message;
@@ -305,8 +308,8 @@ Figures measure(const Model& in, const Model& out, MeasureOptions options, doubl
     figures.outError = outDistance.error().message;
     figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
   }
-  if (meshPlainly &&
-      judge(figures, tolerance).pass()) {  // meshing again takes time; only a pass can suffer
+  if (check.meshPlainly && judge(figures, options.tolerance / kCheckStrictness)
+                               .pass()) {  // meshing again takes time; only a pass can suffer
     const double diagonal = inDistance->box().diagonal().norm();
     figures.untessellated =
         facesWithoutTriangles(shape, usualMeshSize({diagonal, options.distance, solid}));
@@ -345,7 +348,7 @@ Result<CheckResult> checkOffset(const Model& in, const Model& out, const CheckOp
   limits.seconds = options.timeLimit;
   const double tolerance = resolved->tolerance / kCheckStrictness;
   const auto bytes = runInChild("checking the result", limits, [&]() -> Result<std::string> {
-    return bytesOf(measure(in, out, *resolved, tolerance, options.meshPlainly));
+    return bytesOf(measure(in, out, *resolved, options));
   });
   if (!progress.report(1)) return fail(ErrorCode::Cancelled, "the check was cancelled");
   if (!bytes) {

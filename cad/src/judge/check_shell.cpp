@@ -31,6 +31,8 @@ namespace {
 
 constexpr double kDeflectionOfDiagonal = 4e-4;
 constexpr double kDeflectionOfThickness = 0.015;
+// Of the time: what takes longer to tessellate is measured from coarser triangles.
+constexpr double kMeshShare = 0.4;
 constexpr double kLooseKeep = 1.2e-3;  // of the wall: nearer to another face than this is cut off
 constexpr double kNearOpening = 1.5;   // walls from an opening: what lies above it is beyond
 constexpr int kPerFace = 20;
@@ -203,6 +205,7 @@ Result<CheckResult> measure(const Body& in, const std::vector<int>& open,
   mesh.deflection = size.deflection;
   mesh.angle = size.angle;
   mesh.distance = thickness;
+  mesh.timeLimit = kMeshShare * options.timeLimit;
   const Result<Parts> parts = takeApart(in, open, mesh);
   if (!parts) return tl::unexpected(parts.error());
 

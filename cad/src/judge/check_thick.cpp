@@ -18,6 +18,8 @@ namespace {
 
 constexpr double kDeflectionOfDiagonal = 4e-4;
 constexpr double kDeflectionOfThickness = 0.015;
+// Of the time: what takes longer to tessellate is measured from coarser triangles.
+constexpr double kMeshShare = 0.4;
 constexpr double kLooseKeep = 1.2e-3;  // of the height: nearer to the sheet than this is cut off
 constexpr int kPerFace = 20;
 constexpr int kPerEdge = 40;  // at least
@@ -114,6 +116,7 @@ Result<CheckResult> measure(const Body& in, const std::vector<Body>& out,
   mesh.deflection = size.deflection;
   mesh.angle = size.angle;
   mesh.distance = thickness;
+  mesh.timeLimit = kMeshShare * options.timeLimit;
   const auto sheet = ModelDistance::build({in}, mesh, "the sheet");
   if (!sheet) return tl::unexpected(sheet.error());
   const FreeBorder border(occtShape(in.shape), size.deflection);

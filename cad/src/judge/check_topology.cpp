@@ -9,7 +9,6 @@
 #include <BRepBndLib.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
-#include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
@@ -23,6 +22,8 @@
 #include <TopoDS_Face.hxx>
 #include <cmath>
 #include <vector>
+
+#include "tessellate/occt_mesh.h"
 
 namespace phront::cad {
 namespace {
@@ -116,13 +117,14 @@ MeshSize usualMeshSize(const OffsetScale& scale) {
 
 int facesWithoutTriangles(const TopoDS_Shape& shape, const MeshSize& size) {
   BRepTools::Clean(shape);
-  BRepMesh_IncrementalMesh(shape, size.deflection, Standard_False, size.angle, Standard_False);
+  meshOutlines(shape, size.deflection, size.angle);
   int missing = 0;
   for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
     TopLoc_Location location;
     const auto triangles = BRep_Tool::Triangulation(TopoDS::Face(f.Current()), location);
     if (triangles.IsNull() || triangles->NbTriangles() == 0) ++missing;
   }
+  BRepTools::Clean(shape);
   return missing;
 }
 

@@ -49,7 +49,7 @@ struct OffsetScale {
 [[nodiscard]] MeshSize usualMeshSize(const OffsetScale& scale);
 
 /// Faces that OpenCASCADE's mesher gives no triangles for when it is called plainly: what needs
-/// special care to be meshed here fails elsewhere. Leaves the triangles on the shape; as above.
+/// special care to be meshed here fails elsewhere. May throw, hang or crash; as above.
 [[nodiscard]] int facesWithoutTriangles(const TopoDS_Shape& shape, const MeshSize& size);
 
 }  // namespace phront::cad

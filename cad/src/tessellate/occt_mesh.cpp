@@ -124,4 +124,14 @@ ShapeMesh meshShape(const TopoDS_Shape& shape, const ShapeMaps& maps, double def
   return result;
 }
 
+void meshOutlines(const TopoDS_Shape& shape, double deflection, double angle) {
+  IMeshTools_Parameters parameters;
+  parameters.Deflection = deflection;
+  parameters.Angle = angle;
+  parameters.InParallel = Standard_False;
+  parameters.InternalVerticesMode = Standard_False;
+  parameters.ControlSurfaceDeflection = Standard_False;
+  BRepMesh_IncrementalMesh(shape, parameters);
+}
+
 }  // namespace phront::cad

@@ -47,4 +47,10 @@ struct ShapeMesh {
 [[nodiscard]] ShapeMesh meshShape(const TopoDS_Shape& shape, const ShapeMaps& maps,
                                   double deflection, double angle);
 
+/// Triangulates the faces as they are, plainly, between the points of their edges alone: faces that
+/// then have no triangles get none from a program that calls OpenCASCADE's mesher, either, and a
+/// freeform face that would get a million is no dearer than others. `deflection` mm, of edges;
+/// `angle` rad. As above.
+void meshOutlines(const TopoDS_Shape& shape, double deflection, double angle);
+
 }  // namespace phront::cad
