@@ -14,6 +14,7 @@
 #include "patches/patch_tools.h"
 #include "patches/raw_complex.h"
 #include "rebuild/assemble.h"
+#include "rebuild/folds.h"
 #include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
 #include "rebuild/repair.h"
@@ -28,6 +29,8 @@ namespace {
 constexpr double kLevelTolerance = 1e-5;
 constexpr double kApproximation = 1e-6;
 constexpr double kRepairMemoryMiB = 2000;
+/// Of a sheet's area: with more of it folded the check, which is dear on such faces, cannot pass.
+constexpr double kMostOffFront = 0.02;
 constexpr double kRepairShare = 0.3;  // of the time limit: when no more is spent there is a repair
 
 using Clock = std::chrono::steady_clock;
@@ -87,6 +90,12 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   if (result.keptFaces == 0) {
     result.notes.push_back("no piece of any patch lies on the offset");
     return result;
+  }
+  if (!solid) {
+    const double off = shareOffFront(judged, distance, phi);
+    if (off > kMostOffFront)
+      return fail(ErrorCode::Failed,
+                  fmt::format("{:.2g} % of the sheet folds away from the offset", 100 * off));
   }
   const AssembleOptions options{
       .distance = distance, .diagonal = diagonal, .sewTolerance = setting.sewTolerance * diagonal};
