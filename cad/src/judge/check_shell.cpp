@@ -4,14 +4,10 @@
 // points moved by the wall, kept where no other closed face is nearer and the solid has not ended.
 #include "judge/check_shell.h"
 
-#include <fmt/format.h>
-
 #include <BRepAdaptor_Surface.hxx>
-#include <BRep_Builder.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
-#include <TopoDS_Compound.hxx>
 #include <algorithm>
 #include <cmath>
 #include <deque>
@@ -21,22 +17,17 @@
 
 #include "exchange/face_set.h"
 #include "judge/check_sampling.h"
-#include "judge/check_topology.h"
 #include "judge/wall_verdict.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
+#include "tessellate/face_surface.h"
 
 namespace phront::cad {
 namespace {
 
-constexpr double kDeflectionOfDiagonal = 4e-4;
-constexpr double kDeflectionOfThickness = 0.015;
-// Of the time: what takes longer to tessellate is measured from coarser triangles.
-constexpr double kMeshShare = 0.4;
 constexpr double kLooseKeep = 1.2e-3;  // of the wall: nearer to another face than this is cut off
 constexpr double kNearOpening = 1.5;   // walls from an opening: what lies above it is beyond
 constexpr int kPerFace = 20;
-constexpr int kSideSamples = 6000;
 constexpr std::uint64_t kAccuracySeed = 0x2545f4914f6cdd1d;
 constexpr std::uint64_t kCoverageSeed = 0xda942042e4dd58b5;
 
@@ -61,8 +52,6 @@ Body sheetOf(const FaceSet& faces) {
   return sheet;
 }
 
-Vec3 toVec(const gp_XYZ& v) { return {v.X(), v.Y(), v.Z()}; }
-
 Result<Parts> takeApart(const Body& in, const std::vector<int>& open,
                         const TessellateOptions& mesh) {
   TopTools_IndexedMapOfShape map;
@@ -86,8 +75,8 @@ Result<Parts> takeApart(const Body& in, const std::vector<int>& open,
     auto distance = ModelDistance::build({sheetOf({face})}, mesh, "an opening");
     if (!normal) return fail(ErrorCode::Failed, "an opening has no normal");
     if (!distance) return tl::unexpected(distance.error());
-    parts.openings.push_back({toVec(surface.Value(middle.X(), middle.Y()).XYZ()),
-                              toVec(normal->XYZ()), std::move(*distance)});
+    parts.openings.push_back({toVec3(surface.Value(middle.X(), middle.Y()).XYZ()),
+                              toVec3(normal->XYZ()), std::move(*distance)});
   }
   return parts;
 }
@@ -98,33 +87,15 @@ class ShellMeasure {
       : parts_(parts), out_(out), options_(options) {}
 
   WallFigures run() {
-    measureAccuracy();
+    SampleRng rng(kAccuracySeed);
+    figures_.addSamples(out_, options_.samples, rng, [this](const Vec3& x) { return pointAt(x); });
     measureCoverage();
     return std::move(figures_);
   }
 
  private:
-  void measureAccuracy() {
-    SampleRng rng(kAccuracySeed);
-    const std::vector<SurfaceSample> samples = out_.surfaceSamples(options_.samples, kPerFace, rng);
-    const std::size_t stride = samples.size() / kSideSamples + 1;
-    double sided = 0;
-    double buried = 0;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const SurfaceSample& s = samples[i];
-      bool wall = false;
-      const double error = errorAt(s.point, wall);
-      figures_.addPoint(s.point, error, wall, s.weight);
-      if (i % stride != 0) continue;
-      sided += s.weight;
-      if (out_.buried(s.body, s.triangle)) buried += s.weight;
-    }
-    if (sided > 0) figures_.buried = buried / sided;
-  }
-
-  /// How far x is from the nearest place where the boundary of the shell may lie. `wall`: that is
-  /// the far side of a wall.
-  double errorAt(const Vec3& x, bool& wall) const {
+  /// How far x is from the nearest place where the boundary of the shell may lie.
+  [[nodiscard]] WallPoint pointAt(const Vec3& x) const {
     constexpr double kNone = std::numeric_limits<double>::infinity();
     const ShellWalls& walls = options_.walls;
     const double toClosed = parts_.closed.distance(x);
@@ -144,8 +115,7 @@ class ShellMeasure {
       if (opening.face.distance(x) <= kNearOpening * reach)
         elsewhere = std::min(elsewhere, std::abs(opening.height(x)));
     }
-    wall = onFarSide <= elsewhere;
-    return std::min(onFarSide, elsewhere);
+    return {std::min(onFarSide, elsewhere), onFarSide <= elsewhere};
   }
 
   double nearestOpening(const Vec3& x) const {
@@ -198,33 +168,13 @@ class ShellMeasure {
 
 Result<CheckResult> measure(const Body& in, const std::vector<int>& open,
                             const std::vector<Body>& out, const ShellCheckOptions& options) {
-  const double thickness = options.walls.thickness();
-  const MeshSize size = meshSize({diagonalOf(occtShape(in.shape)), thickness, true},
-                                 kDeflectionOfDiagonal, kDeflectionOfThickness);
-  TessellateOptions mesh;
-  mesh.deflection = size.deflection;
-  mesh.angle = size.angle;
-  mesh.distance = thickness;
-  mesh.timeLimit = kMeshShare * options.timeLimit;
+  const TessellateOptions mesh = wallMesh(in, options);
   const Result<Parts> parts = takeApart(in, open, mesh);
   if (!parts) return tl::unexpected(parts.error());
 
-  BRep_Builder builder;
-  TopoDS_Compound all;
-  builder.MakeCompound(all);
-  for (const Body& body : out) builder.Add(all, occtShape(body.shape));
   CheckResult result;
-  judgeTopology(measureTopology(all), result);
-  if (!result.reasons.empty()) return result;
-  const auto distance = ModelDistance::build(out, mesh, "the shell");
-  if (!distance) {
-    result.reasons.push_back("The shell cannot be measured: " + distance.error().message);
-    return result;
-  }
-  result.untessellatedFaces = distance->untessellatedFaces();
-  if (result.untessellatedFaces > 0)
-    result.reasons.push_back(
-        fmt::format("{} faces of the shell cannot be tessellated.", result.untessellatedFaces));
+  const std::optional<ModelDistance> distance = measurableWall(out, mesh, result);
+  if (!distance) return result;
   judgeWalls(ShellMeasure(*parts, *distance, options).run(), options.tolerance, result);
   return result;
 }

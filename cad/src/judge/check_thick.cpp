@@ -1,29 +1,20 @@
 #include "judge/check_thick.h"
 
-#include <BRep_Builder.hxx>
 #include <GCPnts_AbscissaPoint.hxx>
-#include <TopoDS_Compound.hxx>
 #include <algorithm>
 #include <cmath>
 
 #include "judge/check_sampling.h"
-#include "judge/check_topology.h"
 #include "judge/thick_sheet.h"
 #include "judge/wall_verdict.h"
-#include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 
 namespace phront::cad {
 namespace {
 
-constexpr double kDeflectionOfDiagonal = 4e-4;
-constexpr double kDeflectionOfThickness = 0.015;
-// Of the time: what takes longer to tessellate is measured from coarser triangles.
-constexpr double kMeshShare = 0.4;
 constexpr double kLooseKeep = 1.2e-3;  // of the height: nearer to the sheet than this is cut off
 constexpr int kPerFace = 20;
 constexpr int kPerEdge = 40;  // at least
-constexpr int kSideSamples = 6000;
 constexpr std::uint64_t kAccuracySeed = 0x9fb21c651e98df25;
 constexpr std::uint64_t kCoverageSeed = 0xe7037ed1a0b428db;
 
@@ -38,7 +29,9 @@ class ThickMeasure {
         thick_(sheet.body(0), border, options.walls) {}
 
   WallFigures run() {
-    measureAccuracy();
+    SampleRng accuracyRng(kAccuracySeed);
+    figures_.addSamples(out_, options_.samples, accuracyRng,
+                        [this](const Vec3& x) { return thick_.offBoundary(x); });
     SampleRng rng(kCoverageSeed);
     coverSides(rng);
     coverWalls(rng);
@@ -46,23 +39,6 @@ class ThickMeasure {
   }
 
  private:
-  void measureAccuracy() {
-    SampleRng rng(kAccuracySeed);
-    const std::vector<SurfaceSample> samples = out_.surfaceSamples(options_.samples, kPerFace, rng);
-    const std::size_t stride = samples.size() / kSideSamples + 1;
-    double sided = 0;
-    double buried = 0;
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const SurfaceSample& s = samples[i];
-      const ThickSheet::Offset off = thick_.offBoundary(s.point);
-      figures_.addPoint(s.point, off.error, off.side, s.weight);
-      if (i % stride != 0) continue;
-      sided += s.weight;
-      if (out_.buried(s.body, s.triangle)) buried += s.weight;
-    }
-    if (sided > 0) figures_.buried = buried / sided;
-  }
-
   void coverSides(SampleRng& rng) {
     const double heights[] = {-options_.walls.inner, options_.walls.outer};
     for (const SurfaceSample& s : sheet_.surfaceSamples(options_.samples, kPerFace, rng))
@@ -109,31 +85,14 @@ class ThickMeasure {
 
 Result<CheckResult> measure(const Body& in, const std::vector<Body>& out,
                             const ShellCheckOptions& options) {
-  const double thickness = options.walls.thickness();
-  const MeshSize size = meshSize({diagonalOf(occtShape(in.shape)), thickness, true},
-                                 kDeflectionOfDiagonal, kDeflectionOfThickness);
-  TessellateOptions mesh;
-  mesh.deflection = size.deflection;
-  mesh.angle = size.angle;
-  mesh.distance = thickness;
-  mesh.timeLimit = kMeshShare * options.timeLimit;
+  const TessellateOptions mesh = wallMesh(in, options);
   const auto sheet = ModelDistance::build({in}, mesh, "the sheet");
   if (!sheet) return tl::unexpected(sheet.error());
-  const FreeBorder border(occtShape(in.shape), size.deflection);
+  const FreeBorder border(occtShape(in.shape), mesh.deflection);
 
-  BRep_Builder builder;
-  TopoDS_Compound all;
-  builder.MakeCompound(all);
-  for (const Body& body : out) builder.Add(all, occtShape(body.shape));
   CheckResult result;
-  judgeTopology(measureTopology(all), result);
-  if (!result.reasons.empty()) return result;
-  const auto distance = ModelDistance::build(out, mesh, "the thickened sheet");
-  if (!distance) {
-    result.reasons.push_back("The shell cannot be measured: " + distance.error().message);
-    return result;
-  }
-  result.untessellatedFaces = distance->untessellatedFaces();
+  const std::optional<ModelDistance> distance = measurableWall(out, mesh, result);
+  if (!distance) return result;
   judgeWalls(ThickMeasure(*sheet, border, *distance, options).run(), options.tolerance, result);
   return result;
 }

@@ -9,6 +9,7 @@
 #include <BRepBndLib.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
+#include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
@@ -21,8 +22,10 @@
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <cmath>
+#include <string>
 #include <vector>
 
+#include "exchange/guard.h"
 #include "tessellate/occt_mesh.h"
 
 namespace phront::cad {
@@ -35,6 +38,9 @@ constexpr double kFinestOfSolid = 2e-5;
 constexpr double kFinestOfSheet = 5e-5;
 constexpr double kAngle = 0.25;  // rad
 constexpr double kCoarsestAngle = 1.6;
+// What takes longer to mesh (a freeform sheet can have a million triangles) is tried by outlines.
+constexpr double kPlainMeshSeconds = 10;
+constexpr double kPlainMeshMiB = 2000;
 
 // Bnd_Box encloses poles, not the surface itself, so it is never too small; the rest is round-off.
 constexpr double kVolumeSlack = 1 + 1e-6;
@@ -72,6 +78,16 @@ bool plausibleVolume(const TopoDS_Shape& solid, double volume) {
   if (box.IsVoid()) return false;
   const gp_XYZ size = box.CornerMax().XYZ() - box.CornerMin().XYZ();
   return volume <= size.X() * size.Y() * size.Z() * kVolumeSlack;
+}
+
+int countWithoutTriangles(const TopoDS_Shape& shape) {
+  int missing = 0;
+  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
+    TopLoc_Location location;
+    const auto triangles = BRep_Tool::Triangulation(TopoDS::Face(f.Current()), location);
+    if (triangles.IsNull() || triangles->NbTriangles() == 0) ++missing;
+  }
+  return missing;
 }
 
 }  // namespace
@@ -117,13 +133,16 @@ MeshSize usualMeshSize(const OffsetScale& scale) {
 
 int facesWithoutTriangles(const TopoDS_Shape& shape, const MeshSize& size) {
   BRepTools::Clean(shape);
+  const Result<std::string> plain =
+      runInChild("meshing", {kPlainMeshSeconds, kPlainMeshMiB}, [&]() -> Result<std::string> {
+        BRepMesh_IncrementalMesh(shape, size.deflection, Standard_False, size.angle,
+                                 Standard_False);
+        return std::to_string(countWithoutTriangles(shape));
+      });
+  if (plain) return std::stoi(*plain);
+  if (plain.error().code != ErrorCode::ResourceLimit) return countOf(shape, TopAbs_FACE);
   meshOutlines(shape, size.deflection, size.angle);
-  int missing = 0;
-  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
-    TopLoc_Location location;
-    const auto triangles = BRep_Tool::Triangulation(TopoDS::Face(f.Current()), location);
-    if (triangles.IsNull() || triangles->NbTriangles() == 0) ++missing;
-  }
+  const int missing = countWithoutTriangles(shape);
   BRepTools::Clean(shape);
   return missing;
 }

@@ -48,7 +48,7 @@ double ThickSheet::offWalls(const Vec3& x, double toSheet) const {
   return least;
 }
 
-ThickSheet::Offset ThickSheet::offBoundary(const Vec3& x) const {
+WallPoint ThickSheet::offBoundary(const Vec3& x) const {
   const TrueDistance::Foot foot = phi_.foot(x);
   const double sides = offSides(foot);
   const double walls = offWalls(x, foot.distance);

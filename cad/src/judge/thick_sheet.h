@@ -1,7 +1,7 @@
 // The solid that a sheet becomes when it is given a thickness: where its boundary belongs.
 #pragma once
 
-#include "judge/check_shell.h"
+#include "judge/wall_verdict.h"
 #include "tessellate/free_border.h"
 #include "tessellate/true_distance.h"
 
@@ -15,11 +15,8 @@ class ThickSheet {
   ThickSheet(const TrueDistance& phi, const FreeBorder& border, const ShellWalls& walls)
       : phi_(phi), border_(border), walls_(walls) {}
 
-  struct Offset {
-    double error = 0;   ///< mm, >= 0: distance from the nearest place where the boundary belongs
-    bool side = false;  ///< that is one of the two sides, not a wall on the border
-  };
-  [[nodiscard]] Offset offBoundary(const Vec3& x) const;
+  /// Of the far side: one of the two sides, not a wall on the border.
+  [[nodiscard]] WallPoint offBoundary(const Vec3& x) const;
 
  private:
   [[nodiscard]] double offSides(const TrueDistance::Foot& foot) const;

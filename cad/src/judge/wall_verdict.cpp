@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <BRep_Builder.hxx>
+#include <TopoDS_Compound.hxx>
 #include <nlohmann/json.hpp>
 
 #include "exchange/guard.h"
+#include "patches/patch_tools.h"
+#include "phront/cad/shape_occt.h"
 
 namespace phront::cad {
 namespace {
@@ -14,6 +18,12 @@ using Json = nlohmann::json;
 constexpr double kShareBeyond = 0.01;  // of the area may be off by more than the tolerance
 constexpr double kMaxFactor = 10;      // largest deviation allowed, in tolerances
 constexpr double kBuried = 0.002;
+constexpr double kDeflectionOfDiagonal = 4e-4;
+constexpr double kDeflectionOfThickness = 0.015;
+// Of the time: what takes longer to tessellate is measured from coarser triangles.
+constexpr double kMeshShare = 0.4;
+constexpr int kPerFace = 20;  // samples, at least
+constexpr int kBuriedSamples = 6000;
 
 std::string at(const Vec3& p) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
@@ -53,23 +63,6 @@ CheckResult resultOf(const std::string& bytes) {
   return r;
 }
 
-}  // namespace
-
-void WallFigures::addPoint(const Vec3& point, double error, bool wall, double weight) {
-  all.add(error, weight);
-  if (wall) walls.add(error, weight);
-  if (error <= max) return;
-  max = error;
-  worst = point;
-}
-
-void WallFigures::addMissing(const Vec3& point, double error, double weight) {
-  missing.add(error, weight);
-  if (error <= missingMax) return;
-  missingMax = error;
-  worstMissing = point;
-}
-
 void judgeTopology(const TopologyFigures& t, CheckResult& result) {
   result.solids = t.solids;
   result.shells = t.shells;
@@ -86,6 +79,69 @@ void judgeTopology(const TopologyFigures& t, CheckResult& result) {
                     t.freeEdges, t.overusedEdges));
   if (t.badSolids > 0 || !(t.volume > 0))
     result.reasons.emplace_back("A solid of the shell has no positive volume.");
+}
+
+}  // namespace
+
+void WallFigures::addSamples(const ModelDistance& out, int samples, SampleRng& rng,
+                             const std::function<WallPoint(const Vec3&)>& pointAt) {
+  const std::vector<SurfaceSample> points = out.surfaceSamples(samples, kPerFace, rng);
+  const std::size_t stride = points.size() / kBuriedSamples + 1;
+  double asked = 0;
+  double inside = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const SurfaceSample& s = points[i];
+    const WallPoint found = pointAt(s.point);
+    all.add(found.error, s.weight);
+    if (found.farSide) walls.add(found.error, s.weight);
+    if (found.error > max) {
+      max = found.error;
+      worst = s.point;
+    }
+    if (i % stride != 0) continue;
+    asked += s.weight;
+    if (out.buried(s.body, s.triangle)) inside += s.weight;
+  }
+  if (asked > 0) buried = inside / asked;
+}
+
+void WallFigures::addMissing(const Vec3& point, double error, double weight) {
+  missing.add(error, weight);
+  if (error <= missingMax) return;
+  missingMax = error;
+  worstMissing = point;
+}
+
+TessellateOptions wallMesh(const Body& in, const ShellCheckOptions& options) {
+  const double thickness = options.walls.thickness();
+  const MeshSize size = meshSize({diagonalOf(occtShape(in.shape)), thickness, true},
+                                 kDeflectionOfDiagonal, kDeflectionOfThickness);
+  TessellateOptions mesh;
+  mesh.deflection = size.deflection;
+  mesh.angle = size.angle;
+  mesh.distance = thickness;
+  mesh.timeLimit = kMeshShare * options.timeLimit;
+  return mesh;
+}
+
+std::optional<ModelDistance> measurableWall(const std::vector<Body>& out,
+                                            const TessellateOptions& mesh, CheckResult& result) {
+  const BRep_Builder builder;
+  TopoDS_Compound all;
+  builder.MakeCompound(all);
+  for (const Body& body : out) builder.Add(all, occtShape(body.shape));
+  judgeTopology(measureTopology(all), result);
+  if (!result.reasons.empty()) return std::nullopt;
+  Result<ModelDistance> distance = ModelDistance::build(out, mesh, "the shell");
+  if (!distance) {
+    result.reasons.push_back("The shell cannot be measured: " + distance.error().message);
+    return std::nullopt;
+  }
+  result.untessellatedFaces = distance->untessellatedFaces();
+  if (result.untessellatedFaces > 0)
+    result.reasons.push_back(
+        fmt::format("{} faces of the shell cannot be tessellated.", result.untessellatedFaces));
+  return std::move(*distance);
 }
 
 void judgeWalls(const WallFigures& f, double tolerance, CheckResult& result) {

@@ -6,6 +6,7 @@
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
+#include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
@@ -27,8 +28,6 @@
 #include <algorithm>
 #include <cmath>
 #include <gp_Ax2.hxx>
-
-#include "tessellate/occt_mesh.h"
 
 namespace phront::cad {
 namespace {
@@ -118,7 +117,8 @@ bool tessellates(const TopoDS_Face& face, double size) {
   constexpr double kAngle = 0.3;
   // Of a copy: triangulations stay with the face, and with its edges.
   const TopoDS_Face copy = TopoDS::Face(BRepBuilderAPI_Copy(face, Standard_False).Shape());
-  meshOutlines(copy, kDeflection * size, kAngle);
+  const BRepMesh_IncrementalMesh mesher(copy, kDeflection * size, Standard_False, kAngle,
+                                        Standard_False);
   TopLoc_Location location;
   const Handle(Poly_Triangulation) mesh = BRep_Tool::Triangulation(copy, location);
   return !mesh.IsNull() && mesh->NbTriangles() > 0;

@@ -10,13 +10,12 @@
 #include "rebuild/cells.h"
 #include "rebuild/fuse.h"
 #include "rebuild/select.h"
+#include "tessellate/face_surface.h"
 
 namespace phront::cad {
 namespace {
 
 constexpr double kStep = 1e-3;  // of the thickness: into a cell, to see whether it is the material
-
-Vec3 toVec(const gp_XYZ& v) { return {v.X(), v.Y(), v.Z()}; }
 
 class Closer {
  public:
@@ -44,7 +43,7 @@ class Closer {
   [[nodiscard]] bool onBoundary(const TopoDS_Face& piece) const {
     std::vector<double> errors;
     for (const FaceSample& s : interiorSamples(piece))
-      errors.push_back(thick_.offBoundary(toVec(s.point.XYZ())).error);
+      errors.push_back(thick_.offBoundary(toVec3(s.point.XYZ())).error);
     if (errors.empty()) return false;
     const auto middle = errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2);
     std::nth_element(errors.begin(), middle, errors.end());
@@ -68,9 +67,9 @@ class Closer {
       const std::vector<FaceSample> samples = interiorSamples(face);
       if (samples.empty()) continue;
       const FaceSample& s = samples.front();
-      if (!thick_.offBoundary(toVec(s.point.XYZ())).side) continue;
+      if (!thick_.offBoundary(toVec3(s.point.XYZ())).farSide) continue;
       const TrueDistance::Foot foot =
-          phi_.foot(toVec(s.point.XYZ()) - step * toVec(s.normal.Normalized().XYZ()));
+          phi_.foot(toVec3(s.point.XYZ()) - step * toVec3(s.normal.Normalized().XYZ()));
       const double height = foot.sign * foot.distance;
       const bool within =
           !foot.beyondBorder && height > -pieces_.walls.inner && height < pieces_.walls.outer;

@@ -139,7 +139,7 @@ TopoDS_Face sector(const RidgeEnd& end, double height) {
   const gp_Circ circle(gp_Ax2(centre, gp_Dir(toGpVec(axis)), gp_Dir(toGpVec(n1))), height);
   const TopoDS_Edge arc = BRepBuilderAPI_MakeEdge(circle, from, to);
   BRepBuilderAPI_MakeWire wire(BRepBuilderAPI_MakeEdge(centre, from), arc,
-                                     BRepBuilderAPI_MakeEdge(to, centre));
+                               BRepBuilderAPI_MakeEdge(to, centre));
   if (!wire.IsDone()) return {};
   BRepBuilderAPI_MakeFace face(gp_Pln(centre, gp_Dir(toGpVec(axis))), wire.Wire(), true);
   return face.IsDone() ? face.Face() : TopoDS_Face();

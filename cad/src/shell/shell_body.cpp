@@ -13,14 +13,13 @@
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
 #include "judge/check_body.h"
-#include "judge/exchange_fault.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/attempt_runner.h"
-#include "rebuild/body_offset.h"
 #include "shell/cut.h"
 #include "shell/hollow.h"
 #include "shell/opening.h"
+#include "shell/wall_steps.h"
 
 namespace phront::cad {
 namespace {
@@ -146,25 +145,13 @@ class BodySheller {
   /// The offset of a solid; `failed_` when there is none that passes.
   Result<std::vector<Body>> offset(const TopoDS_Shape& solid, double distance, double share,
                                    const std::string& what, double from, double to) {
-    OffsetOptions options;
-    options.distance = distance;
-    options.tolerance = request_.tolerance;
-    options.threads = request_.threads;
-    options.timeLimit = deadline_.forStep(share, kLeastSeconds, request_.timeLimit);
-    Result<BodyOffset> made =
-        offsetBody(solidOf(solid, body_.name), options, progress_.part(from, to, what));
+    const SideRequest side{distance, deadline_.forStep(share, kLeastSeconds, request_.timeLimit),
+                           what};
+    Result<std::optional<std::vector<Body>>> made = offsetSide(
+        solidOf(solid, body_.name), side, request_, progress_.part(from, to, what), made_);
     if (!made) return tl::unexpected(made.error());
-    for (const std::string& attempt : made->report.attempts)
-      report().attempts.push_back(what + ": " + attempt);
-    made_.times.insert(made_.times.end(), made->times.begin(), made->times.end());
-    if (made->report.kind == OffsetKind::Failed) {
-      failBecause(what + " cannot be made: " + made->report.check.reasons.front());
-      return std::vector<Body>();
-    }
-    report().fittedFaces += made->report.fittedFaces;
-    report().facetedFaces += made->report.facetedFaces;
-    report().setting = made->report.setting;
-    return std::move(made->bodies);
+    failed_ = !*made;
+    return failed_ ? std::vector<Body>() : std::move(**made);
   }
 
   /// The grown solid, and what of it lies beyond the openings. False when that failed.
@@ -267,13 +254,7 @@ class BodySheller {
     std::vector<Body> bodies = bodiesOf(wall, BodyKind::Solid, body_.name);
     judge(bodies);
     CheckResult& check = report().check;
-    if (check.pass()) {
-      Model out;
-      out.bodies = bodies;
-      const MeshSize size = usualMeshSize({diagonalOf(wall), request_.walls.thickness(), true});
-      if (std::string fault = exchangeFault(out, size); !fault.empty())
-        check.reasons.push_back(std::move(fault));
-    }
+    checkExchange(bodies, diagonalOf(wall), request_.walls.thickness(), check);
     if (made_.bodies.empty() || check.pass()) made_.bodies = std::move(bodies);
     if (!check.pass()) return false;
     report().kind = report().facetedFaces > 0 ? OffsetKind::Faceted : OffsetKind::Exact;

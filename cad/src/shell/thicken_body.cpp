@@ -13,13 +13,12 @@
 #include "heal/heal.h"
 #include "judge/check_body.h"
 #include "judge/check_thick.h"
-#include "judge/exchange_fault.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/attempt_runner.h"
-#include "rebuild/body_offset.h"
 #include "shell/close_sheet.h"
 #include "shell/sheet_walls.h"
+#include "shell/wall_steps.h"
 #include "surfaces/face_offsets.h"
 #include "tessellate/body_distance.h"
 
@@ -46,13 +45,14 @@ constexpr double kLevelOfDiagonal = 1e-5;
 
 class SheetThickener {
  public:
-  SheetThickener(const Body& sheet, const ShellBodyRequest& request, const Progress& progress)
+  SheetThickener(const Body& sheet, const FreeBorder& border, const ShellBodyRequest& request,
+                 const Progress& progress)
       : sheet_(sheet),
         request_(request),
         progress_(progress),
         deadline_(request.timeLimit),
         diagonal_(diagonalOf(occtShape(sheet.shape))),
-        border_(occtShape(sheet.shape), kOfDiagonal * diagonal_) {
+        border_(border) {
     report().name = sheet.name;
     report().inputFaces = faceCount(sheet.shape);
     pieces_.walls = request.walls;
@@ -101,28 +101,16 @@ class SheetThickener {
     }
     const bool outer = height > 0;
     const std::string what = outer ? "the side along the normals" : "the side against the normals";
-    OffsetOptions options;
-    options.distance = height;
-    options.tolerance = request_.tolerance;
-    options.threads = request_.threads;
-    options.timeLimit = deadline_.forStep(kSideShare, kLeastSeconds, request_.timeLimit);
-    Result<BodyOffset> side =
-        offsetBody(sheet_, options, progress_.part(outer ? 0.4 : 0.05, outer ? 0.8 : 0.4, what));
-    if (!side) return tl::unexpected(side.error());
-    for (const std::string& attempt : side->report.attempts)
-      report().attempts.push_back(what + ": " + attempt);
-    made_.times.insert(made_.times.end(), side->times.begin(), side->times.end());
-    if (side->report.kind == OffsetKind::Failed || side->bodies.empty()) {
-      failBecause(what + " cannot be made" +
-                  (side->report.check.reasons.empty() ? ": it is empty"
-                                                      : ": " + side->report.check.reasons.front()));
-      return false;
-    }
-    report().fittedFaces += side->report.fittedFaces;
-    report().setting = side->report.setting;
-    for (const Body& body : side->bodies)
+    const SideRequest side{height, deadline_.forStep(kSideShare, kLeastSeconds, request_.timeLimit),
+                           what};
+    const Result<std::optional<std::vector<Body>>> made = offsetSide(
+        sheet_, side, request_, progress_.part(outer ? 0.4 : 0.05, outer ? 0.8 : 0.4, what), made_);
+    if (!made) return tl::unexpected(made.error());
+    if (!*made) return false;
+    if ((*made)->empty()) failBecause(what + " is empty: the sheet is curved too much for it");
+    for (const Body& body : **made)
       for (const TopoDS_Face& face : facesOf(occtShape(body.shape))) pieces_.faces.push_back(face);
-    return true;
+    return !(*made)->empty();
   }
 
   bool addWalls() {
@@ -205,12 +193,7 @@ class SheetThickener {
     options.timeLimit = deadline_.forStep(1, kLeastSeconds, kMostCheckSeconds);
     const Result<CheckResult> measured = checkThickSheet(sheet_, bodies, options);
     CheckResult check = measured ? *measured : failedCheck(measured.error().message);
-    if (!check.pass()) return check;
-    Model out;
-    out.bodies = bodies;
-    const MeshSize size = usualMeshSize({diagonal_, request_.walls.thickness(), true});
-    if (std::string fault = exchangeFault(out, size); !fault.empty())
-      check.reasons.push_back(std::move(fault));
+    checkExchange(bodies, diagonal_, request_.walls.thickness(), check);
     return check;
   }
 
@@ -219,7 +202,7 @@ class SheetThickener {
   const Progress& progress_;
   const Deadline deadline_;
   const double diagonal_;
-  const FreeBorder border_;
+  const FreeBorder& border_;
   ThickSheetPieces pieces_;
   BodyShell made_;
 };
@@ -228,7 +211,13 @@ class SheetThickener {
 
 Result<BodyShell> thickenBody(const Body& sheet, const ShellBodyRequest& request,
                               const Progress& progress) {
-  return SheetThickener(sheet, request, progress).run();
+  const Result<FreeBorder> border =
+      guardOcct("finding the free edges of a sheet", [&]() -> Result<FreeBorder> {
+        const TopoDS_Shape& shape = occtShape(sheet.shape);
+        return FreeBorder(shape, kOfDiagonal * diagonalOf(shape));
+      });
+  if (!border) return tl::unexpected(border.error());
+  return SheetThickener(sheet, *border, request, progress).run();
 }
 
 }  // namespace phront::cad

@@ -3,7 +3,6 @@
 #include <BRep_Tool.hxx>
 #include <GCPnts_TangentialDeflection.hxx>
 #include <TopExp.hxx>
-#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <algorithm>
@@ -13,6 +12,7 @@
 #include "exchange/face_set.h"
 #include "patches/edge_table.h"
 #include "patches/patch_tools.h"
+#include "tessellate/face_surface.h"
 
 namespace phront::cad {
 namespace {
@@ -21,7 +21,11 @@ constexpr double kTurn = 0.1;     // rad, from one polygon side to the next
 constexpr int kNewtonSteps = 12;  // quadratic; more than a start from a polygon needs
 constexpr double kSmooth = 1e-3;  // rad: edges that turn by less need no sector
 
-Vec3 toVec(const gp_XYZ& v) { return {v.X(), v.Y(), v.Z()}; }
+/// Of the way from a to b, where the point nearest to x lies.
+double nearestShare(const Vec3& x, const Vec3& a, const Vec3& b) {
+  const Vec3 side = b - a;
+  return std::clamp((x - a).dot(side) / std::max(side.squaredNorm(), 1e-300), 0.0, 1.0);
+}
 
 struct Use {
   TopoDS_Edge edge;
@@ -44,7 +48,8 @@ std::optional<BorderPoint> FreeEdge::at(double parameter) const {
   if (pcurve_.IsNull() || tangent.Magnitude() < gp::Resolution()) return std::nullopt;
   const std::optional<gp_Vec> normal = outwardNormal(face_, pcurve_->Value(parameter));
   if (!normal) return std::nullopt;
-  return BorderPoint{toVec(point.XYZ()), toVec(normal->XYZ()), toVec(tangent.Normalized().XYZ())};
+  return BorderPoint{toVec3(point.XYZ()), toVec3(normal->XYZ()),
+                     toVec3(tangent.Normalized().XYZ())};
 }
 
 FreeBorder::FreeBorder(const TopoDS_Shape& sheet, double chord) {
@@ -70,7 +75,7 @@ FreeBorder::FreeBorder(const TopoDS_Shape& sheet, double chord) {
     TopExp::MapShapes(edges_[e].edge(), TopAbs_VERTEX, ends);
     GCPnts_TangentialDeflection points(edges_[e].curve(), kTurn, chord);
     for (int i = 1; i < points.NbPoints(); ++i)
-      segments_.push_back({toVec(points.Value(i).XYZ()), toVec(points.Value(i + 1).XYZ()),
+      segments_.push_back({toVec3(points.Value(i).XYZ()), toVec3(points.Value(i + 1).XYZ()),
                            points.Parameter(i), points.Parameter(i + 1), e});
   }
   const EdgeTable table = makeEdgeTable(sheet, 1, kSmooth);
@@ -83,18 +88,16 @@ FreeBorder::FreeBorder(const TopoDS_Shape& sheet, double chord) {
       if (!ends.Contains(atFirst ? first : last)) continue;
       const EdgeSample& s = atFirst ? info.samples.front() : info.samples.back();
       if (std::abs(s.angle) < kSmooth) continue;
-      ridgeEnds_.push_back({toVec(s.point.XYZ()), toVec(s.tangent.XYZ()), toVec(s.n1.XYZ()),
-                            toVec(s.n2.XYZ()), s.angle > 0});
+      ridgeEnds_.push_back({toVec3(s.point.XYZ()), toVec3(s.tangent.XYZ()), toVec3(s.n1.XYZ()),
+                            toVec3(s.n2.XYZ()), s.angle > 0});
     }
   }
 }
 
 double FreeBorder::parameterNear(const Vec3& x, const Segment& segment) const {
   const BRepAdaptor_Curve& curve = edges_[segment.edge].curve();
-  const Vec3 side = segment.to - segment.from;
-  const double share =
-      std::clamp((x - segment.from).dot(side) / std::max(side.squaredNorm(), 1e-300), 0.0, 1.0);
-  const double start = segment.first + share * (segment.last - segment.first);
+  const double start =
+      segment.first + nearestShare(x, segment.from, segment.to) * (segment.last - segment.first);
   const double reach = std::abs(segment.last - segment.first);
   const double low =
       std::max(curve.FirstParameter(), std::min(segment.first, segment.last) - reach);
@@ -113,7 +116,7 @@ double FreeBorder::parameterNear(const Vec3& x, const Segment& segment) const {
     if (next == t) break;
     t = next;
   }
-  const auto distance = [&](double at) { return (toVec(curve.Value(at).XYZ()) - x).norm(); };
+  const auto distance = [&](double at) { return (toVec3(curve.Value(at).XYZ()) - x).norm(); };
   return distance(t) <= distance(start) ? t : start;
 }
 
@@ -121,10 +124,8 @@ std::optional<BorderPoint> FreeBorder::nearest(const Vec3& x) const {
   const Segment* best = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (const Segment& segment : segments_) {
-    const Vec3 side = segment.to - segment.from;
-    const double share =
-        std::clamp((x - segment.from).dot(side) / std::max(side.squaredNorm(), 1e-300), 0.0, 1.0);
-    const double squared = (segment.from + share * side - x).squaredNorm();
+    const double share = nearestShare(x, segment.from, segment.to);
+    const double squared = (segment.from + share * (segment.to - segment.from) - x).squaredNorm();
     if (squared >= least) continue;
     least = squared;
     best = &segment;

@@ -47,10 +47,9 @@ struct ShapeMesh {
 [[nodiscard]] ShapeMesh meshShape(const TopoDS_Shape& shape, const ShapeMaps& maps,
                                   double deflection, double angle);
 
-/// Triangulates the faces as they are, plainly, between the points of their edges alone: faces that
-/// then have no triangles get none from a program that calls OpenCASCADE's mesher, either, and a
-/// freeform face that would get a million is no dearer than others. `deflection` mm, of edges;
-/// `angle` rad. As above.
+/// Triangulates the faces as they are between the points of their edges alone. Wires that cross
+/// themselves, the usual reason why a face gets no triangles, show so, too, at a small part of the
+/// cost; what fails inside a face does not. `deflection` mm, of edges; `angle` rad. As above.
 void meshOutlines(const TopoDS_Shape& shape, double deflection, double angle);
 
 }  // namespace phront::cad
