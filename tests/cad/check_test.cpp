@@ -216,6 +216,17 @@ TEST(Check, FailsWrongDistance) {
   EXPECT_TRUE(says(check(sphere(10), sphere(11.96), 2), "inaccurate"));
 }
 
+// A vertex with a large tolerance closes a hole that the samples on the faces cannot see.
+TEST(Check, FailsWhatMeetsOnlyWithinALargeTolerance) {
+  for (const double tolerance : {0.1, 1.0}) {
+    const TopoDS_Shape out = box(100, 60, 40, -2);
+    BRep_Builder().UpdateVertex(TopoDS::Vertex(TopExp_Explorer(out, TopAbs_VERTEX).Current()),
+                                tolerance);
+    const CheckResult result = check(box(100, 60, 40), out, -2);
+    EXPECT_EQ(result.pass(), tolerance < 0.16) << reasonsOf(result);
+  }
+}
+
 TEST(Check, FailsWrongSide) {
   EXPECT_TRUE(says(check(sphere(10), sphere(8), 2), "wrong side"));
   EXPECT_TRUE(says(check(torus(20, 5), torus(20, 7), -2), "wrong side"));

@@ -11,20 +11,60 @@
 #include <BRepPrimAPI_MakeCylinder.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
+#include <BRep_Builder.hxx>
 #include <GProp_GProps.hxx>
+#include <Geom_Circle.hxx>
+#include <Geom_ToroidalSurface.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <gp.hxx>
+#include <gp_Ax3.hxx>
 #include <sstream>
 
+#include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 
 namespace phront::cad {
 namespace {
 
 namespace fs = std::filesystem;
+
+/// Piece of a spindle torus from a circle to its apex. The circle's own parameter passes zero.
+TopoDS_Face apexPatch() {
+  constexpr double kMajor = 0.5;
+  constexpr double kMinor = 1.142715;
+  constexpr double kLeft = 2.5;
+  constexpr double kRight = 3.7;
+  const double apex = std::acos(-kMajor / kMinor);
+  const double low = apex - 0.45;
+  const Handle(Geom_ToroidalSurface) surface = new Geom_ToroidalSurface(gp_Ax3(), kMajor, kMinor);
+  const gp_Ax2 zeroInside(gp_Pnt(0, 0, kMinor * std::sin(low)), gp::DZ(),
+                          gp_Dir(std::cos(3.2), std::sin(3.2), 0));
+  const TopoDS_Vertex first = makeVertex(surface->Value(kLeft, low), 1e-7);
+  const TopoDS_Vertex last = makeVertex(surface->Value(kRight, low), 1e-7);
+  const TopoDS_Vertex pole = makeVertex(surface->Value(kLeft, apex), 1e-7);
+  const BRep_Builder builder;
+  TopoDS_Edge circle;
+  builder.MakeEdge(circle, new Geom_Circle(zeroInside, kMajor + kMinor * std::cos(low)), 1e-7);
+  builder.Add(circle, first.Oriented(TopAbs_FORWARD));
+  builder.Add(circle, last.Oriented(TopAbs_REVERSED));
+  builder.Range(circle, kLeft - 3.2, kRight - 3.2);
+  ArcPool arcs;
+  const auto meridian = [&](const TopoDS_Vertex& from, double u) -> PatchSide {
+    const gp_Pnt centre(kMajor * std::cos(u), kMajor * std::sin(u), 0);
+    const gp_Vec axis(std::sin(u), -std::cos(u), 0);
+    return {arcs.arc(centre, axis, kMinor, from, pole), {u, low}, {u, apex}, false, {}};
+  };
+  return faceFromSides(surface,
+                       {{circle, {kLeft, low}, {kRight, low}, false, {}},
+                        meridian(last, kRight),
+                        {{}, {kLeft, apex}, {kRight, apex}, true, pole},
+                        meridian(first, kLeft)},
+                       1e-7);
+}
 
 class Exchange : public testing::Test {
  protected:
@@ -274,6 +314,30 @@ TEST_F(Exchange, LimitsHold) {
   const auto large = readModel(path("a.step"), {.maxExtent = 2});
   ASSERT_FALSE(large);
   EXPECT_EQ(large.error().code, ErrorCode::UnreadableInput);
+}
+
+double areaOf(const TopoDS_Shape& shape) {
+  GProp_GProps properties;
+  BRepGProp::SurfaceProperties(shape, properties);
+  return properties.Mass();
+}
+
+// A reader makes the parameters of arcs anew; one that passes zero was taken for its complement.
+TEST_F(Exchange, ArcsThatPassZeroComeBackTheSame) {
+  const TopoDS_Face face = apexPatch();
+  ASSERT_TRUE(BRepCheck_Analyzer(face).IsValid());
+  for (const char* name : {"apex.step", "apex.igs"}) {
+    Model model;
+    model.bodies.push_back(bodyOf(face, "apex"));
+    ASSERT_TRUE(writeModel(model, path(name)));
+    ReadOptions asWritten;
+    asWritten.repair = false;
+    const Result<Model> back = readModel(path(name), asWritten);
+    ASSERT_TRUE(back) << name;
+    const TopoDS_Shape& read = occtShape(back->bodies.front().shape);
+    EXPECT_NEAR(areaOf(read), areaOf(face), 1e-4) << name;
+    EXPECT_TRUE(BRepCheck_Analyzer(read).IsValid()) << name;
+  }
 }
 
 }  // namespace

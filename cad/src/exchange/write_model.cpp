@@ -28,6 +28,7 @@
 #include <cstring>
 #include <sstream>
 
+#include "exchange/arc_ranges.h"
 #include "exchange/guard.h"
 #include "exchange/step_colours.h"
 #include "exchange/step_string.h"
@@ -88,6 +89,7 @@ bool needsParameterCurves(const TopoDS_Shape& shape) {
   return false;
 }
 
+/// Runs in the child: changes the shapes.
 Result<std::string> stepBytes(const Model& model) {
   STEPControl_Writer writer;
   Interface_Static::SetCVal("write.step.schema", "AP214IS");
@@ -98,6 +100,7 @@ Result<std::string> stepBytes(const Model& model) {
     products.push_back(
         stepString(body.name.empty() ? fmt::format("body {}", products.size() + 1) : body.name));
     const TopoDS_Shape& shape = occtShape(body.shape);
+    keepArcsWithinOneTurn(shape);  // of this process only: bytesAs() runs in a child
     Interface_Static::SetIVal("write.surfacecurve.mode", needsParameterCurves(shape) ? 1 : 0);
     if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone) return refused(body, "STEP");
     nameItem(writer, shape, body.name);

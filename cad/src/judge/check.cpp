@@ -90,7 +90,9 @@ std::string bytesOf(const Figures& f) {
                                  t.overusedEdges,
                                  t.looseFaces,
                                  t.volume,
-                                 t.badSolids,  //
+                                 t.badSolids,
+                                 t.widestGap,
+                                 toJson(t.atGap),  //
                                  a.p99,
                                  a.max,
                                  a.shareBeyond,
@@ -124,7 +126,7 @@ Figures figuresOf(const std::string& bytes) {
   CoverageFigures& c = f.coverage;
   ArrayReader read(json);
   read >> t.solids >> t.shells >> t.faces >> t.valid >> t.freeEdges >> t.overusedEdges;
-  read >> t.looseFaces >> t.volume >> t.badSolids;
+  read >> t.looseFaces >> t.volume >> t.badSolids >> t.widestGap >> t.atGap;
   read >> a.p99 >> a.max >> a.shareBeyond >> a.rightSide >> a.buried >> a.worst;
   read >> c.p99 >> c.max >> c.shareBeyond >> c.kept >> c.firm >> c.found >> c.keptShare;
   read >> c.worst >> c.anyKept;
@@ -160,13 +162,17 @@ std::string at(const Vec3& p) {
   return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x(), p.y(), p.z());
 }
 
-std::vector<std::string> topologyFaults(const Figures& f) {
+std::vector<std::string> topologyFaults(const Figures& f, double tolerance) {
   std::vector<std::string> reasons;
   const TopologyFigures& t = f.topology;
   if (!t.valid) reasons.emplace_back("OpenCASCADE's BRepCheck finds the result invalid.");
   if (f.untessellated > 0) {
     reasons.push_back(
         fmt::format("{} faces of the result cannot be tessellated.", f.untessellated));
+  }
+  if (!(t.widestGap <= kCheckStrictness * kMaxFactor * tolerance)) {
+    reasons.push_back(fmt::format("The faces of the result meet only within {:.3g} mm near {}.",
+                                  t.widestGap, at(t.atGap)));
   }
   if (!f.solidIn) return reasons;
   if (t.solids == 0) reasons.emplace_back("The result holds no solid.");
@@ -257,7 +263,7 @@ CheckResult judge(const Figures& f, double tolerance) {
   result.worstPoint = f.coverage.max > f.accuracy.max ? f.coverage.worst : f.accuracy.worst;
 
   if (!f.outEmpty) {
-    result.reasons = topologyFaults(f);
+    result.reasons = topologyFaults(f, tolerance);
     if (f.outError.empty()) judgeAccuracy(f, tolerance, result.reasons);
   }
   if (f.outError.empty()) {
@@ -297,7 +303,8 @@ Figures measure(const Model& in, const Model& out, MeasureOptions options,
   }
   const TopoDS_Shape shape = compoundOf(out);
   figures.topology = measureTopology(shape);
-  options.search = topologyFaults(figures).empty();  // else the verdict stands already
+  const double tolerance = options.tolerance / kCheckStrictness;
+  options.search = topologyFaults(figures, tolerance).empty();  // else the verdict stands already
   const auto outDistance = ModelDistance::build(out.bodies, mesh, "the result");
   if (outDistance) {
     SampleRng accuracyRng(kAccuracySeed);
@@ -308,8 +315,8 @@ Figures measure(const Model& in, const Model& out, MeasureOptions options,
     figures.outError = outDistance.error().message;
     figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
   }
-  if (check.meshPlainly && judge(figures, options.tolerance / kCheckStrictness)
-                               .pass()) {  // meshing again takes time; only a pass can suffer
+  // Meshing again takes time; only a pass can suffer.
+  if (check.meshPlainly && judge(figures, tolerance).pass()) {
     const double diagonal = inDistance->box().diagonal().norm();
     figures.untessellated =
         facesWithoutTriangles(shape, usualMeshSize({diagonal, options.distance, solid}));

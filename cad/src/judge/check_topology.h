@@ -3,6 +3,8 @@
 
 #include <TopoDS_Shape.hxx>
 
+#include "phront/types.h"
+
 namespace phront::cad {
 
 struct TopologyFigures {
@@ -16,6 +18,8 @@ struct TopologyFigures {
   double volume = 0;      ///< mm^3, sum over the solids
   int untessellated = 0;  ///< faces that OpenCASCADE's mesher gives no triangles for
   int badSolids = 0;      ///< solids whose volume is not positive or larger than their box
+  double widestGap = 0;   ///< mm, largest tolerance of a vertex or edge: what meets only so far
+  Vec3 atGap = Vec3::Zero();
 
   /// Every edge used exactly twice in its shell, no face outside a shell.
   [[nodiscard]] bool closed() const {

@@ -52,12 +52,13 @@ struct CheckResult {
 
 /// Independent of how OUT was made. An empty OUT model asks "is the true offset empty?".
 /// Passes when OUT is valid; closed with positive volume in every solid; when 99 % of its area and
-/// of the true offset deviate by at most `tolerance`, no point by more than 10 times that, and
-/// 99.9 % of the area is on the right side and 99.8 % not inside OUT itself; all of it times
-/// kCheckStrictness. Single points are searched for, not only sampled. Rounded convex edges ("arc"
-/// join) are what is right. The same input gives the same figures. Sheets are judged one-sided: no
-/// sidedness, no closedness. Guarded: never crashes or hangs. Fails with InvalidArgument (d = 0 or
-/// NaN), Failed (IN cannot be tessellated), ResourceLimit.
+/// of the true offset deviate by at most `tolerance`, no point by more than 10 times that, no edge
+/// or vertex bridges a gap wider than those 10 times, and 99.9 % of the area is on the right side
+/// and 99.8 % not inside OUT itself; all of it times kCheckStrictness. Single points are searched
+/// for, not only sampled. Rounded convex edges ("arc" join) are what is right. The same input gives
+/// the same figures. Sheets are judged one-sided: no sidedness, no closedness. Guarded: never
+/// crashes or hangs. Fails with InvalidArgument (d = 0 or NaN), Failed (IN cannot be tessellated),
+/// ResourceLimit.
 [[nodiscard]] Result<CheckResult> checkOffset(const Model& in, const Model& out,
                                               const CheckOptions& options,
                                               const Progress& progress = {});
