@@ -33,8 +33,6 @@ constexpr double kMaxFactor = 10;           // largest deviation allowed, in tol
 constexpr double kShareBeyond = 0.01;       // of the area may deviate more than the tolerance
 constexpr double kWrongSide = 0.001;        // of the area may lie on the wrong side
 constexpr double kBuried = 0.002;           // of the area may lie inside the result
-// Fewer sampled points than this do not prove that something is left: other samples find none.
-constexpr int kFewestKept = 5;
 // The triangles start the exact search, carry the sides and screen search points: fine against the
 // part and against d, yet no finer, since queries and meshing are most of the time.
 constexpr double kDeflectionOfDiagonal = 4e-4;
@@ -105,6 +103,7 @@ std::string bytesOf(const Figures& f) {
                                  c.kept,
                                  c.firm,
                                  c.found,
+                                 c.confirmed,
                                  c.keptShare,
                                  toJson(c.worst),
                                  toJson(c.anyKept),  //
@@ -128,7 +127,8 @@ Figures figuresOf(const std::string& bytes) {
   read >> t.solids >> t.shells >> t.faces >> t.valid >> t.freeEdges >> t.overusedEdges;
   read >> t.looseFaces >> t.volume >> t.badSolids >> t.widestGap >> t.atGap;
   read >> a.p99 >> a.max >> a.shareBeyond >> a.rightSide >> a.buried >> a.worst;
-  read >> c.p99 >> c.max >> c.shareBeyond >> c.kept >> c.firm >> c.found >> c.keptShare;
+  read >> c.p99 >> c.max >> c.shareBeyond >> c.kept >> c.firm >> c.found >> c.confirmed >>
+      c.keptShare;
   read >> c.worst >> c.anyKept;
   read >> f.outEmpty >> f.solidIn >> f.untessellated >> f.inError >> f.outError;
   return f;
@@ -227,7 +227,7 @@ void judgeCoverage(const Figures& f, double tolerance, std::vector<std::string>&
   }
   if (c.firm == 0) {
     reasons.emplace_back("The result is not empty, but the offset of the input is.");
-  } else if (c.kept < kFewestKept) {
+  } else if (!c.confirmed) {
     reasons.push_back(
         fmt::format("So little of the input has an offset ({:.2g} % of its area) that "
                     "the result cannot be confirmed.",

@@ -29,6 +29,11 @@ constexpr int kClimbs = 12;
 constexpr int kClimbRounds = 5;
 constexpr int kClimbTries = 8;
 constexpr int kSideSamples = 6000;
+// Fewer sampled points than this do not prove that something is left: other samples find none.
+// Among many more points it takes as many more, so that an ordinary number of samples finds some.
+constexpr int kFewestKept = 5;
+constexpr int kConfirmingSamples = 300'000;
+constexpr int kFewestConfirming = 60;
 constexpr double kLooseKeep = 1.2e-3;  // of |d|: nearer to IN than this below |d| is cut off
 constexpr double kFirmKeep = 0.8e-3;   // of |d|: certainly not cut off
 constexpr double kSuspicious = 0.3;    // of the maximum: below, a search point is not pursued
@@ -169,15 +174,12 @@ class CoverageTally {
   WeightedErrors errors_;
 };
 
-/// Sampled points first; returns those worth climbing from.
-std::vector<Scored> tallySamples(const ModelDistance& in, const TrueOffset& offset,
-                                 const MeasureOptions& options, CoverageTally& tally,
-                                 SampleRng& rng) {
-  std::vector<Scored> seeds;
+/// Adds the points of the true offset above `samples`; returns the area they stand for, and puts
+/// what is worth climbing from into `seeds`.
+double tallyFaces(const std::vector<SurfaceSample>& samples, const TrueOffset& offset,
+                  CoverageTally& tally, std::vector<Scored>& seeds) {
   double kept = 0;
-  double all = 0;
-  for (const SurfaceSample& s : statisticSamples(in, options, rng)) {
-    all += s.weight;
+  for (const SurfaceSample& s : samples) {
     const Vec3 q = offset.of(s);
     if (!offset.mayBeKept(q)) continue;
     const double reach = offset.reach(q);
@@ -185,7 +187,16 @@ std::vector<Scored> tallySamples(const ModelDistance& in, const TrueOffset& offs
     kept += s.weight;
     seeds.push_back({s, tally.add(q, reach, offset, s.weight)});
   }
-  tally.figures.keptShare = all > 0 ? kept / all : 0;
+  return kept;
+}
+
+/// Sampled points first; returns those worth climbing from.
+std::vector<Scored> tallySamples(const ModelDistance& in, const TrueOffset& offset,
+                                 const MeasureOptions& options, CoverageTally& tally,
+                                 SampleRng& rng) {
+  std::vector<Scored> seeds;
+  tally.figures.keptShare =
+      tallyFaces(statisticSamples(in, options, rng), offset, tally, seeds) / in.area();
   RoundingDensity density;
   density.perArea = options.samples / in.area();
   for (std::size_t b = 0; in.hasSolids() && b < in.bodyCount(); ++b) {
@@ -197,6 +208,11 @@ std::vector<Scored> tallySamples(const ModelDistance& in, const TrueOffset& offs
         tally.add(c.point, reach, offset, c.weight);
       }
     }
+  }
+  tally.figures.confirmed = tally.figures.kept >= kFewestKept;
+  if (tally.figures.kept > 0 && !tally.figures.confirmed) {
+    tallyFaces(in.surfaceSamples(kConfirmingSamples, 1, rng), offset, tally, seeds);
+    tally.figures.confirmed = tally.figures.kept >= kFewestConfirming;
   }
   return seeds;
 }

@@ -26,10 +26,11 @@ struct CoverageFigures {
   double p99 = 0;  ///< distance of the true offset to OUT, by area
   double max = 0;
   double shareBeyond = 0;
-  int kept = 0;          ///< sampled points of the true offset
-  int firm = 0;          ///< those clearly at the full distance
-  int found = 0;         ///< further ones that the search for the most distant points brought up
-  double keptShare = 0;  ///< of IN's area whose offset survives
+  int kept = 0;            ///< sampled points of the true offset
+  int firm = 0;            ///< those clearly at the full distance
+  int found = 0;           ///< further ones that the search for the most distant points brought up
+  bool confirmed = false;  ///< kept are enough to say that something is left
+  double keptShare = 0;    ///< of IN's area whose offset survives
   Vec3 worst = Vec3::Zero();
   Vec3 anyKept = Vec3::Zero();
 };
