@@ -2,7 +2,8 @@
 // edges and cuts the faces along all of it. Most of those pairs need no intersection, and a few of
 // them (tangent neighbours, freeform pairs that only meet where both are dead) take most of the
 // time, some for ever. The filler's list of pairs is therefore thinned out before it starts: face
-// pairs that cannot cross go, and with them the edge pairs that only they would have asked for.
+// pairs that cannot cross go, and with them the edge pairs that only they would have asked for or
+// whose cells do not touch.
 // Weak spots: it never intersects a face with itself; callers limit its time; it refuses a single
 // argument.
 #include "rebuild/fuse.h"
@@ -30,6 +31,8 @@
 #include <algorithm>
 #include <map>
 #include <utility>
+
+#include "rebuild/contact_cells.h"
 
 namespace phront::cad {
 namespace {
@@ -91,7 +94,7 @@ class PairFilter {
 
 class ThinnedIterator : public BOPDS_Iterator {
  public:
-  explicit ThinnedIterator(PairFilter& filter) : filter_(filter) {}
+  ThinnedIterator(PairFilter& filter, double fuzzy) : filter_(filter), cells_(fuzzy) {}
 
  protected:
   void Intersect(const Handle(IntTools_Context) & context, const Standard_Boolean checkBoxes,
@@ -108,7 +111,7 @@ class ThinnedIterator : public BOPDS_Iterator {
         int first = 0;
         int second = 0;
         pair.Indices(first, second);
-        if (filter_.wanted(first, second)) kept.push_back(pair);
+        if (filter_.wanted(first, second) && mayTouch(first, second)) kept.push_back(pair);
       }
       pairs.Clear();
       for (const BOPDS_Pair& pair : kept) pairs.Append(pair);
@@ -116,7 +119,20 @@ class ThinnedIterator : public BOPDS_Iterator {
   }
 
  private:
+  /// Edges against faces take most of the time, and the boxes of most such pairs only overlap.
+  bool mayTouch(int first, int second) {
+    const TopoDS_Shape& a = myDS->Shape(first);
+    const TopoDS_Shape& b = myDS->Shape(second);
+    const bool edgeA = a.ShapeType() == TopAbs_EDGE;
+    const bool edgeB = b.ShapeType() == TopAbs_EDGE;
+    if (edgeA && edgeB) return cells_.mayTouch(first, TopoDS::Edge(a), second, TopoDS::Edge(b));
+    if (edgeA) return cells_.mayTouch(first, TopoDS::Edge(a), second, TopoDS::Face(b));
+    if (edgeB) return cells_.mayTouch(second, TopoDS::Edge(b), first, TopoDS::Face(a));
+    return true;
+  }
+
   PairFilter& filter_;
+  ContactCells cells_;
 };
 
 class ThinnedFiller : public BOPAlgo_PaveFiller {
@@ -127,7 +143,7 @@ class ThinnedFiller : public BOPAlgo_PaveFiller {
   void Init(const Message_ProgressRange& range) override {
     BOPAlgo_PaveFiller::Init(range);
     if (HasErrors() || myIterator == nullptr) return;
-    auto* thinned = new ThinnedIterator(filter_);
+    auto* thinned = new ThinnedIterator(filter_, myFuzzyValue);
     thinned->SetDS(myDS);
     thinned->SetRunParallel(Standard_False);
     thinned->Prepare(myContext, myUseOBB, myFuzzyValue);
