@@ -321,26 +321,36 @@ class Trimmer {
     return edge;
   }
 
-  /// Left or right side: a straight line (cone) or an arc of the tube (torus).
+  /// Left or right side: the known edge, else a straight line (cone) or an arc of the tube (torus).
+  /// Where the image ends at the axis, its side is only a part of what the neighbour has there.
   PatchSide alongSide(bool right, const Range& range, const TopoDS_Vertex& low,
                       const TopoDS_Vertex& high, double vShift) {
     const double u = right ? r_.u1 : r_.u0;
+    const auto s = static_cast<std::size_t>(right ? kRight : kLeft);
+    const int e = r_.edge[s];
+    const bool whole = e >= 0 && range.low == r_.v0 && range.high == r_.v1;
+    const auto found = whole ? known_.find(e) : known_.end();
     TopoDS_Edge edge;
-    if (image_.torus) {
-      const gp_Vec radial = gp_Vec(image_.frame.XDirection()) * std::cos(u) +
-                            gp_Vec(image_.frame.YDirection()) * std::sin(u);
-      const gp_Pnt centre = image_.frame.Location().Translated(radial * image_.radius);
-      const gp_Vec axis = radial.Crossed(gp_Vec(image_.frame.Direction()));
-      edge = arcs_.arc(centre, axis, image_.tube, low, high);
+    bool upward = r_.forward[s];
+    if (found != known_.end()) {
+      edge = found->second;
     } else {
-      edge = arcs_.line(low, high);
+      edge = newAlongSide(u, low, high);
+      upward = TopExp::FirstVertex(edge).IsSame(low);
     }
-    const int e = r_.edge[right ? kRight : kLeft];
-    if (e >= 0) result_.edges[e] = edge;
+    if (whole) result_.edges[e] = edge;
     const gp_Pnt2d a(u, range.low + vShift);
     const gp_Pnt2d b(u, range.high + vShift);
-    const bool upward = TopExp::FirstVertex(edge).IsSame(low);
     return {edge, upward ? a : b, upward ? b : a, false, {}};
+  }
+
+  TopoDS_Edge newAlongSide(double u, const TopoDS_Vertex& low, const TopoDS_Vertex& high) {
+    if (!image_.torus) return arcs_.line(low, high);
+    const gp_Vec radial = gp_Vec(image_.frame.XDirection()) * std::cos(u) +
+                          gp_Vec(image_.frame.YDirection()) * std::sin(u);
+    const gp_Pnt centre = image_.frame.Location().Translated(radial * image_.radius);
+    const gp_Vec axis = radial.Crossed(gp_Vec(image_.frame.Direction()));
+    return arcs_.arc(centre, axis, image_.tube, low, high);
   }
 
   void addFace(const Range& range) {

@@ -32,6 +32,8 @@
 namespace phront::cad {
 namespace {
 
+/// rad; arcs that are meant to be all but a whole turn do not occur.
+constexpr double kAlmostNone = 0.05;
 /// Share of the parameter box by which a singular point is left; 1e-3 was seen to spoil the merging
 /// of vertices, 1e-7 not.
 constexpr double kNudge = 1e-7;
@@ -204,8 +206,11 @@ TopoDS_Edge ArcPool::arc(const gp_Pnt& centre, const gp_Vec& axis, double radius
   const gp_Vec y = axis.Crossed(x);
   const gp_Vec toB(centre, b);
   double angle = std::atan2(toB.Dot(y.Normalized()), toB.Dot(x.Normalized()));
+  // Between vertices that almost coincide it is round-off which of them comes first.
+  const bool backward = angle < 0 && angle > -kAlmostNone;
+  if (backward) angle = -angle;
   if (angle < 0) angle += 2 * M_PI;
-  const gp_Ax2 frame(centre, gp_Dir(axis), gp_Dir(x));
+  const gp_Ax2 frame(centre, gp_Dir(backward ? axis.Reversed() : axis), gp_Dir(x));
   const Handle(Geom_Circle) circle = new Geom_Circle(frame, radius);
   return shared(circle, angle, from, to);
 }

@@ -64,7 +64,8 @@ class PointPool {
 class ArcPool {
  public:
   /// Arc of the given radius about `centre` from `from` to `to`, turning about `axis` by less than
-  /// a full turn. The same pair of vertices gives the same edge (whichever way it is asked for).
+  /// a full turn; where the two almost coincide, the short way. The same pair of vertices gives the
+  /// same edge (whichever way it is asked for).
   TopoDS_Edge arc(const gp_Pnt& centre, const gp_Vec& axis, double radius,
                   const TopoDS_Vertex& from, const TopoDS_Vertex& to);
 
