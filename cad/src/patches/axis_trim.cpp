@@ -255,7 +255,7 @@ class Trimmer {
       TopoDS_Vertex ends[2];
       TopExp::Vertices(table_.edges[static_cast<std::size_t>(e)].edge, ends[0], ends[1]);
       for (const TopoDS_Vertex& end : ends) {
-        const TopoDS_Vertex shared = vertices_.image(end, faceNumber_);
+        const TopoDS_Vertex shared = vertices_.image(end, faceNumber_, e);
         if (!shared.IsNull() && BRep_Tool::Pnt(shared).Distance(point) <
                                     std::max(tolerance_, 2 * BRep_Tool::Tolerance(shared))) {
           return shared;

@@ -22,55 +22,13 @@
 #include <gp_Cylinder.hxx>
 #include <gp_Sphere.hxx>
 #include <gp_Torus.hxx>
-#include <set>
 
 #include "patches/axis_trim.h"
+#include "patches/open_pole.h"
 #include "patches/patch_tools.h"
 
 namespace phront::cad {
 namespace {
-
-struct Corner {
-  int face = 0;
-  gp_Vec normal;
-  gp_Pnt point;
-};
-
-/// Normals of the faces at their vertices, one per vertex and face; faces singular there left out.
-std::map<int, std::vector<Corner>> cornersOf(const EdgeTable& table) {
-  std::map<int, std::vector<Corner>> corners;
-  for (std::size_t f = 0; f < table.faces.size(); ++f) {
-    const TopoDS_Face& face = table.faces[f];
-    std::set<int> singular;
-    std::map<int, Corner> found;
-    for (const TopoDS_Edge& edge : edgesOf(face)) {
-      TopoDS_Vertex first;
-      TopoDS_Vertex last;
-      TopExp::Vertices(edge, first, last);
-      double t0 = 0;
-      double t1 = 0;
-      const Handle(Geom2d_Curve) curve = BRep_Tool::CurveOnSurface(edge, face, t0, t1);
-      for (const bool atFirst : {true, false}) {
-        const TopoDS_Vertex& vertex = atFirst ? first : last;
-        if (vertex.IsNull() || curve.IsNull()) continue;
-        const int v = table.vertexIndex.FindIndex(vertex);
-        if (BRep_Tool::Degenerated(edge)) singular.insert(v);
-        const gp_Pnt2d uv = curve->Value(atFirst ? t0 : t1);
-        const std::optional<gp_Vec> normal = outwardNormal(face, uv);
-        if (!normal) {
-          singular.insert(v);
-          continue;
-        }
-        const BRepAdaptor_Surface surface(face, Standard_False);
-        found.try_emplace(v, Corner{static_cast<int>(f), *normal, surface.Value(uv.X(), uv.Y())});
-      }
-    }
-    for (const auto& [v, corner] : found) {
-      if (!singular.contains(v)) corners[v].push_back(corner);
-    }
-  }
-  return corners;
-}
 
 /// New radius of a cylinder, a sphere or of a torus's tube; empty for other surfaces.
 std::optional<double> offsetRadius(const TopoDS_Face& face, double distance) {
@@ -130,57 +88,6 @@ void shareSmooth(const EdgeTable& table, const FaceImage& image,
 
 }  // namespace
 
-VertexImages::VertexImages(const EdgeTable& table, double distance, double smoothAngle)
-    : table_(table) {
-  for (const auto& [v, corners] : cornersOf(table)) {
-    // Clusters of agreeing normals, by single linkage in face order.
-    std::vector<int> cluster(corners.size(), -1);
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      if (cluster[i] >= 0) continue;
-      cluster[i] = static_cast<int>(i);
-      std::vector<std::size_t> open{i};
-      while (!open.empty()) {
-        const std::size_t a = open.back();
-        open.pop_back();
-        for (std::size_t b = 0; b < corners.size(); ++b) {
-          if (cluster[b] < 0 && corners[a].normal.Angle(corners[b].normal) < smoothAngle) {
-            cluster[b] = static_cast<int>(i);
-            open.push_back(b);
-          }
-        }
-      }
-      gp_XYZ sum(0, 0, 0);
-      int count = 0;
-      const auto target = [&](const Corner& c) { return c.point.Translated(c.normal * distance); };
-      for (std::size_t b = 0; b < corners.size(); ++b) {
-        if (cluster[b] != static_cast<int>(i)) continue;
-        sum += target(corners[b]).XYZ();
-        ++count;
-      }
-      const gp_Pnt mean(sum / count);
-      double spread = 0;
-      for (std::size_t b = 0; b < corners.size(); ++b) {
-        if (cluster[b] == static_cast<int>(i)) {
-          spread = std::max(spread, mean.Distance(target(corners[b])));
-        }
-      }
-      const TopoDS_Vertex vertex = makeVertex(mean, std::max(1.1 * spread, Precision::Confusion()));
-      for (std::size_t b = 0; b < corners.size(); ++b) {
-        if (cluster[b] == static_cast<int>(i)) images_[{v - 1, corners[b].face}] = vertex;
-      }
-    }
-  }
-}
-
-TopoDS_Vertex VertexImages::image(int vertex, int face) const {
-  const auto it = images_.find({vertex, face});
-  return it == images_.end() ? TopoDS_Vertex() : it->second;
-}
-
-TopoDS_Vertex VertexImages::image(const TopoDS_Vertex& vertex, int face) const {
-  return image(table_.vertexIndex.FindIndex(vertex) - 1, face);
-}
-
 std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& vertices,
                                    double distance, double tolerance, ArcPool& arcs,
                                    PointPool& points, std::vector<std::string>& notes) {
@@ -217,7 +124,8 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
       TopExp::Vertices(edge, ends[0], ends[1]);
       for (const TopoDS_Vertex& end : ends) {
         if (end.IsNull() || created.IsBound(end)) continue;
-        const TopoDS_Vertex vertex = vertices.image(end, static_cast<int>(f));
+        if (vertices.poleAt(end, static_cast<int>(f)) != nullptr) continue;
+        const TopoDS_Vertex vertex = vertices.image(end, static_cast<int>(f), e);
         if (!vertex.IsNull()) created.Bind(end, vertex);
       }
     }
@@ -229,6 +137,9 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
         if (!image.dead) ++lost;
         continue;
       }
+      for (const OpenPole& pole : vertices.poles())
+        if (pole.face == static_cast<int>(f))
+          image.face = openPole(table, pole, vertices, image.face);
       BRepLib::BuildCurves3d(image.face, tolerance);
       for (const TopoDS_Edge& edge : edgesOf(image.face)) raiseTolerance(edge, image.face);
       collectEdges(table, face, image);

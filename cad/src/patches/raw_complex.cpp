@@ -69,10 +69,10 @@ class Builder {
                           options_.tolerance,
                           imageOf(images_, info.face1, e),
                           imageOf(images_, info.face2, e),
-                          vertices_.image(first, info.face1),
-                          vertices_.image(first, info.face2),
-                          vertices_.image(last, info.face1),
-                          vertices_.image(last, info.face2)};
+                          vertices_.image(first, info.face1, e),
+                          vertices_.image(first, info.face2, e),
+                          vertices_.image(last, info.face1, e),
+                          vertices_.image(last, info.face2, e)};
     try {
       std::optional<std::vector<TopoDS_Face>> faces = linePipe(frame, arcs_);
       if (!faces) faces = circlePipe(frame, arcs_, apices_);
@@ -93,12 +93,23 @@ class Builder {
   void addSphere(int v, const std::vector<int>& edges) {
     try {
       const TopoDS_Face face =
-          spherePatch(table_, edges, vertices_, v, radius_, options_.tolerance, arcs_);
+          spherePatch(table_, edges, vertices_, v, openedAt(v), radius_, options_.tolerance, arcs_);
       if (!face.IsNull()) raw_.faces.push_back(face);
     } catch (const Standard_Failure&) {
       ++lostSpheres_;
       ++raw_.missing;
     }
+  }
+
+  /// What the poles at a vertex have opened into.
+  [[nodiscard]] std::vector<TopoDS_Edge> openedAt(int v) const {
+    std::vector<TopoDS_Edge> opened;
+    for (const OpenPole& pole : vertices_.poles()) {
+      if (pole.vertex != v) continue;
+      const TopoDS_Edge edge = imageOf(images_, pole.face, pole.edge);
+      if (!edge.IsNull() && !BRep_Tool::Degenerated(edge)) opened.push_back(edge);
+    }
+    return opened;
   }
 
   RawOptions options_;

@@ -7,7 +7,8 @@
 // Where all edges are convex the ends of their pipes close a loop by themselves; that loop is taken
 // as it is, since in loosely made models edge directions and face normals disagree by more than any
 // fine angular tolerance.
-// Weak spot: vertices where a face is singular (a pole) have no edge directions there.
+// Poles that open give the loop sides of their own. Weak spot: where one is at a mixed vertex there
+// is no patch.
 #include "patches/sphere_patch.h"
 
 #include <BRepTools.hxx>
@@ -44,13 +45,21 @@ struct Ray {
   int face1 = -1;
   int face2 = -1;
   double angle = 0;  ///< rad, > 0 where convex
+  int edge = -1;
 };
 
-/// Outline of a patch: directions of its corners, counter-clockwise seen from outside, and the
-/// vertices there.
+/// One side of a patch: a great-circle arc, or the edge given.
+struct Side {
+  TopoDS_Vertex from;
+  TopoDS_Vertex to;
+  TopoDS_Edge edge;
+};
+
+/// Outline of a patch: its sides, counter-clockwise seen from outside, and directions of points
+/// along them.
 struct Outline {
-  std::vector<gp_Vec> corners;
-  std::vector<TopoDS_Vertex> vertices;
+  std::vector<Side> sides;
+  std::vector<gp_Vec> directions;
 };
 
 std::vector<Ray> raysAt(const EdgeTable& table, const std::vector<int>& edges, int vertex) {
@@ -66,7 +75,7 @@ std::vector<Ray> raysAt(const EdgeTable& table, const std::vector<int>& edges, i
       if (table.vertexIndex.FindIndex(end) - 1 != vertex) continue;
       const EdgeSample& s = atFirst ? info.samples.front() : info.samples.back();
       rays.push_back({atFirst ? s.tangent : s.tangent.Reversed(), info.smooth, info.pipe, s.n1,
-                      s.n2, info.face1, info.face2, s.angle});
+                      s.n2, info.face1, info.face2, s.angle, e});
     }
   }
   return rays;
@@ -112,42 +121,68 @@ double twiceArea(const std::vector<gp_Vec>& corners, const gp_Vec& axis) {
   return sum.Dot(axis);
 }
 
-/// The loop that the pipe ends of a convex vertex make; empty when they make none.
+/// Points along a side, its end left out.
+std::vector<gp_Vec> directionsOf(const Side& side, const gp_Pnt& centre) {
+  constexpr int kParts = 8;
+  if (side.edge.IsNull()) return {gp_Vec(centre, BRep_Tool::Pnt(side.from)).Normalized()};
+  double first = 0;
+  double last = 0;
+  const Handle(Geom_Curve) curve = BRep_Tool::Curve(side.edge, first, last);
+  if (!TopExp::FirstVertex(side.edge).IsSame(side.from)) std::swap(first, last);
+  std::vector<gp_Vec> directions;
+  for (int i = 0; i < kParts; ++i)
+    directions.push_back(
+        gp_Vec(centre, curve->Value(first + (last - first) * i / kParts)).Normalized());
+  return directions;
+}
+
+/// The loop that the pipe ends of a convex vertex make, with what poles there have opened into;
+/// empty when they make none.
 Outline chainedOutline(const std::vector<Ray>& rays, const VertexImages& images, int vertex,
-                       const gp_Pnt& centre) {
-  struct Arc {
-    TopoDS_Vertex from;
-    TopoDS_Vertex to;
-  };
-  std::vector<Arc> arcs;
+                       const std::vector<TopoDS_Edge>& opened, const gp_Pnt& centre) {
+  std::vector<Side> sides;
   for (const Ray& ray : rays) {
-    const Arc arc{images.image(vertex, ray.face1), images.image(vertex, ray.face2)};
-    if (arc.from.IsNull() || arc.to.IsNull()) return {};
-    if (arc.from.IsSame(arc.to)) continue;
+    const Side side{
+        images.image(vertex, ray.face1, ray.edge), images.image(vertex, ray.face2, ray.edge), {}};
+    if (side.from.IsNull() || side.to.IsNull()) return {};
+    if (side.from.IsSame(side.to)) continue;
     if (!ray.pipe || !(ray.angle > 0)) return {};
-    arcs.push_back(arc);
+    sides.push_back(side);
   }
-  if (arcs.size() < 3) return {};
+  for (const TopoDS_Edge& edge : opened)
+    sides.push_back({TopExp::FirstVertex(edge), TopExp::LastVertex(edge), edge});
+  if (sides.size() < (opened.empty() ? 3U : 2U)) return {};
   Outline outline;
-  TopoDS_Vertex end = arcs.front().from;
-  std::vector<char> used(arcs.size(), 0);
-  for (std::size_t step = 0; step < arcs.size(); ++step) {
-    std::size_t next = arcs.size();
-    for (std::size_t i = 0; i < arcs.size() && next == arcs.size(); ++i) {
-      if (!used[i] && (arcs[i].from.IsSame(end) || arcs[i].to.IsSame(end))) next = i;
+  const TopoDS_Vertex start = sides.front().from;
+  TopoDS_Vertex end = start;
+  std::vector<char> used(sides.size(), 0);
+  for (std::size_t step = 0; step < sides.size(); ++step) {
+    std::size_t next = sides.size();
+    for (std::size_t i = 0; i < sides.size() && next == sides.size(); ++i) {
+      if (!used[i] && (sides[i].from.IsSame(end) || sides[i].to.IsSame(end))) next = i;
     }
-    if (next == arcs.size()) return {};
+    if (next == sides.size()) return {};
     used[next] = 1;
-    outline.vertices.push_back(end);
-    outline.corners.push_back(gp_Vec(centre, BRep_Tool::Pnt(end)).Normalized());
-    end = arcs[next].from.IsSame(end) ? arcs[next].to : arcs[next].from;
+    Side side = sides[next];
+    if (!side.from.IsSame(end)) std::swap(side.from, side.to);
+    end = side.to;
+    outline.sides.push_back(side);
   }
-  if (!end.IsSame(arcs.front().from)) return {};
+  if (!end.IsSame(start)) return {};
+  const auto gather = [&] {
+    outline.directions.clear();
+    for (const Side& side : outline.sides) {
+      const std::vector<gp_Vec> along = directionsOf(side, centre);
+      outline.directions.insert(outline.directions.end(), along.begin(), along.end());
+    }
+  };
+  gather();
   gp_Vec mean(0, 0, 0);
-  for (const gp_Vec& c : outline.corners) mean += c;
-  if (twiceArea(outline.corners, mean) < 0) {
-    std::reverse(outline.corners.begin(), outline.corners.end());
-    std::reverse(outline.vertices.begin(), outline.vertices.end());
+  for (const gp_Vec& c : outline.directions) mean += c;
+  if (twiceArea(outline.directions, mean) < 0) {
+    std::reverse(outline.sides.begin(), outline.sides.end());
+    for (Side& side : outline.sides) std::swap(side.from, side.to);
+    gather();
   }
   return outline;
 }
@@ -173,7 +208,7 @@ TopoDS_Vertex cornerVertex(const std::vector<Ray>& rays, const VertexImages& ima
   const gp_Pnt point = centre.Translated(direction * radius);
   for (const Ray& ray : rays) {
     for (const int f : {ray.face1, ray.face2}) {
-      const TopoDS_Vertex image = images.image(vertex, f);
+      const TopoDS_Vertex image = images.image(vertex, f, ray.edge);
       if (!image.IsNull() &&
           BRep_Tool::Pnt(image).Distance(point) <
               std::max(2 * BRep_Tool::Tolerance(image), 10 * kAngularTolerance * radius)) {
@@ -230,6 +265,24 @@ void addSphereCurve(const TopoDS_Edge& edge, const TopoDS_Face& face,
   raiseTolerance(edge, face);
 }
 
+/// The outline where edges of both kinds meet; empty when no pipes lie along it.
+Outline polarOutline(const std::vector<Ray>& rays, const VertexImages& images, int vertex,
+                     const gp_Pnt& centre, double radius) {
+  Outline outline;
+  outline.directions = polarPolygon(rays);
+  const std::vector<gp_Vec>& corners = outline.directions;
+  std::vector<TopoDS_Vertex> vertices;
+  for (const gp_Vec& corner : corners)
+    vertices.push_back(cornerVertex(rays, images, vertex, centre, corner, radius));
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const std::size_t j = (i + 1) % corners.size();
+    if (vertices[i].IsSame(vertices[j])) continue;
+    if (rayOfSide(rays, corners[i], corners[j]) == nullptr) return {};
+    outline.sides.push_back({vertices[i], vertices[j], {}});
+  }
+  return outline;
+}
+
 }  // namespace
 
 std::vector<std::vector<int>> edgesAtVertices(const EdgeTable& table) {
@@ -247,48 +300,44 @@ std::vector<std::vector<int>> edgesAtVertices(const EdgeTable& table) {
 }
 
 TopoDS_Face spherePatch(const EdgeTable& table, const std::vector<int>& edges,
-                        const VertexImages& images, int vertex, double radius, double tolerance,
+                        const VertexImages& images, int vertex,
+                        const std::vector<TopoDS_Edge>& opened, double radius, double tolerance,
                         ArcPool& arcs) {
   const std::vector<Ray> rays = raysAt(table, edges, vertex);
   const gp_Pnt centre = BRep_Tool::Pnt(TopoDS::Vertex(table.vertexIndex(vertex + 1)));
-  Outline outline = chainedOutline(rays, images, vertex, centre);
-  const bool chained = !outline.corners.empty();
-  if (!chained) outline.corners = polarPolygon(rays);
-  const std::vector<gp_Vec>& corners = outline.corners;
-  if (corners.size() < 3) return {};
+  Outline outline = chainedOutline(rays, images, vertex, opened, centre);
+  if (outline.sides.empty()) outline = polarOutline(rays, images, vertex, centre, radius);
+  const std::vector<gp_Vec>& directions = outline.directions;
+  if (directions.size() < 3) return {};
 
   // Width of the polygon: twice the area over the perimeter, as a length.
   gp_Vec mean(0, 0, 0);
   double perimeter = 0;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    mean += corners[i];
-    perimeter += (corners[i] - corners[(i + 1) % corners.size()]).Magnitude();
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    mean += directions[i];
+    perimeter += (directions[i] - directions[(i + 1) % directions.size()]).Magnitude();
   }
   if (mean.Magnitude() < kAngularTolerance) return {};
-  if (radius * twiceArea(corners, mean.Normalized()) < tolerance * perimeter) return {};
-
-  std::vector<TopoDS_Vertex>& cornerVertices = outline.vertices;
-  for (std::size_t c = cornerVertices.size(); c < corners.size(); ++c) {
-    cornerVertices.push_back(cornerVertex(rays, images, vertex, centre, corners[c], radius));
-  }
+  if (radius * twiceArea(directions, mean.Normalized()) < tolerance * perimeter) return {};
 
   const Handle(Geom_SphericalSurface) sphere =
-      new Geom_SphericalSurface(patchFrame(centre, corners), radius);
+      new Geom_SphericalSurface(patchFrame(centre, directions), radius);
   const BRep_Builder builder;
   TopoDS_Face face;
   builder.MakeFace(face, sphere, Precision::Confusion());
   TopoDS_Wire wire;
   builder.MakeWire(wire);
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const std::size_t j = (i + 1) % corners.size();
-    if (cornerVertices[i].IsSame(cornerVertices[j])) continue;
-    if (!chained && rayOfSide(rays, corners[i], corners[j]) == nullptr) return {};
-    const TopoDS_Edge arc = arcs.arc(centre, corners[i].Crossed(corners[j]), radius,
-                                     cornerVertices[i], cornerVertices[j]);
-    addSphereCurve(arc, face, sphere);
+  for (const Side& side : outline.sides) {
+    TopoDS_Edge edge = side.edge;
+    if (edge.IsNull()) {
+      const gp_Vec from(centre, BRep_Tool::Pnt(side.from));
+      const gp_Vec to(centre, BRep_Tool::Pnt(side.to));
+      edge = arcs.arc(centre, from.Crossed(to), radius, side.from, side.to);
+    }
+    addSphereCurve(edge, face, sphere);
     // Counter-clockwise seen along the outward normal: a forward wire on the sphere.
-    const bool forward = TopExp::FirstVertex(arc).IsSame(cornerVertices[i]);
-    builder.Add(wire, arc.Oriented(forward ? TopAbs_FORWARD : TopAbs_REVERSED));
+    const bool forward = TopExp::FirstVertex(edge).IsSame(side.from);
+    builder.Add(wire, edge.Oriented(forward ? TopAbs_FORWARD : TopAbs_REVERSED));
   }
   wire.Closed(Standard_True);
   builder.Add(face, wire);
