@@ -3,20 +3,34 @@
 
 #include <gtest/gtest.h>
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakeRevol.hxx>
+#include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
+#include <Geom_BezierCurve.hxx>
+#include <TColgp_Array1OfPnt.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <gp.hxx>
+#include <gp_Ax2.hxx>
 
 #include <cmath>
 #include <numbers>
 
+#include "heal/heal.h"
+#include "patches/patch_tools.h"
+#include "patches/raw_complex.h"
 #include "rebuild/assemble.h"
+#include "rebuild/select.h"
 #include "solids.h"
 
 namespace phront::cad {
@@ -244,6 +258,57 @@ TEST(ExactOffset, SheetLiesOnTheSideOfItsNormals) {
   ASSERT_FALSE(in->shape.IsNull());
   EXPECT_EQ(count(in->shape, TopAbs_FACE), 2);
   EXPECT_NEAR(areaOf(in->shape), 160, 1e-6);
+}
+
+/// Both ends of a cylinder, one cut off at 45 degrees: its edge is an ellipse.
+TopoDS_Shape slantedCylinder() {
+  const gp_Dir slant(1, 0, 1);
+  const TopoDS_Shape above =
+      BRepPrimAPI_MakeBox(gp_Ax2(gp_Pnt(0, 0, 30), slant), 200, 200, 200).Shape();
+  gp_Trsf centred;
+  centred.SetTranslation(gp_Vec(gp_Ax2(gp_Pnt(), slant).XDirection()) * -100 +
+                         gp_Vec(gp_Ax2(gp_Pnt(), slant).YDirection()) * -100);
+  return cut(test::cylinder(10, 60), above.Moved(TopLoc_Location(centred)));
+}
+
+/// Half a nose of revolution whose profile meets the axis at an angle: its tip is a pole with
+/// another normal all round.
+TopoDS_Shape halfNose() {
+  TColgp_Array1OfPnt poles(1, 4);
+  poles(1) = gp_Pnt(0, 0, 30);
+  poles(2) = gp_Pnt(5, 0, 25);
+  poles(3) = gp_Pnt(10, 0, 12);
+  poles(4) = gp_Pnt(10, 0, 0);
+  BRepBuilderAPI_MakeWire wire;
+  wire.Add(BRepBuilderAPI_MakeEdge(gp_Pnt(0, 0, 0), gp_Pnt(0, 0, 30)));
+  wire.Add(BRepBuilderAPI_MakeEdge(new Geom_BezierCurve(poles)));
+  wire.Add(BRepBuilderAPI_MakeEdge(gp_Pnt(10, 0, 0), gp_Pnt(0, 0, 0)));
+  return BRepPrimAPI_MakeRevol(BRepBuilderAPI_MakeFace(wire.Wire()).Face(), gp::OZ(), kPi).Shape();
+}
+
+// Nothing of a convex solid's patches is nearer to another of its features.
+TEST(ExactOffset, PatchesOfConvexSolidsLieOnTheOffset) {
+  constexpr double kDistance = 3;
+  for (const TopoDS_Shape& solid : {slantedCylinder(), halfNose()}) {
+    const double diagonal = diagonalOf(solid);
+    const TrueDistance phi = distanceOf(solid, BodyKind::Solid, kDistance);
+    const RawComplex raw =
+        buildRawComplex(heal(solid, {.tolerance = 1e-5 * diagonal}).shape,
+                        {.distance = kDistance, .smoothAngle = 0.01, .tolerance = 1e-6 * diagonal});
+    EXPECT_EQ(raw.missing, 0);
+    for (const TopoDS_Face& face : raw.faces) {
+      for (const FaceSample& s : interiorSamples(face))
+        EXPECT_NEAR(phi.foot(Vec3(s.point.X(), s.point.Y(), s.point.Z())).distance, kDistance,
+                    1e-5 * diagonal);
+      for (TopExp_Explorer v(face, TopAbs_VERTEX); v.More(); v.Next())
+        EXPECT_LT(BRep_Tool::Tolerance(TopoDS::Vertex(v.Current())), 1e-4 * diagonal);
+    }
+    const Result<AttemptResult> result = offset(solid, kDistance);
+    ASSERT_TRUE(result) << result.error().message;
+    EXPECT_TRUE(BRepCheck_Analyzer(result->shape).IsValid());
+    EXPECT_EQ(countOpenEdges(result->shape), 0);
+    EXPECT_EQ(result->keptFaces, result->rawFaces);
+  }
 }
 
 TEST(ExactOffset, RefusesNonsense) {

@@ -11,6 +11,7 @@
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
+#include <Geom2dAPI_Interpolate.hxx>
 #include <Geom2d_BSplineCurve.hxx>
 #include <Geom2d_Line.hxx>
 #include <Geom_Circle.hxx>
@@ -19,7 +20,9 @@
 #include <Precision.hxx>
 #include <TColStd_Array1OfInteger.hxx>
 #include <TColStd_Array1OfReal.hxx>
+#include <TColStd_HArray1OfReal.hxx>
 #include <TColgp_Array1OfPnt2d.hxx>
+#include <TColgp_HArray1OfPnt2d.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
@@ -81,6 +84,20 @@ Handle(Geom2d_Curve)
   multiplicities(1) = 2;
   multiplicities(2) = 2;
   return new Geom2d_BSplineCurve(poles, knots, multiplicities, 1);
+}
+
+Handle(Geom2d_Curve)
+    pcurveThrough(const std::vector<gp_Pnt2d>& points, const std::vector<double>& parameters) {
+  const auto count = static_cast<int>(points.size());
+  const Handle(TColgp_HArray1OfPnt2d) at = new TColgp_HArray1OfPnt2d(1, count);
+  const Handle(TColStd_HArray1OfReal) t = new TColStd_HArray1OfReal(1, count);
+  for (int i = 0; i < count; ++i) {
+    at->SetValue(i + 1, points[static_cast<std::size_t>(i)]);
+    t->SetValue(i + 1, parameters[static_cast<std::size_t>(i)]);
+  }
+  Geom2dAPI_Interpolate interpolation(at, t, Standard_False, 1e-12);
+  interpolation.Perform();
+  return Handle(Geom2d_Curve)(interpolation.Curve());
 }
 
 std::optional<gp_Vec> outwardNormal(const TopoDS_Face& face, const gp_Pnt2d& uv) {
@@ -282,7 +299,9 @@ TopoDS_Face faceFromSides(const Handle(Geom_Surface) & surface, const std::vecto
     } else {
       BRep_Tool::Range(edge, first, last);
     }
-    builder.UpdateEdge(edge, straightPcurve(side.first, side.last, first, last), face, tolerance);
+    const Handle(Geom2d_Curve) curve =
+        side.curve.IsNull() ? straightPcurve(side.first, side.last, first, last) : side.curve;
+    builder.UpdateEdge(edge, curve, face, tolerance);
     builder.Range(edge, face, first, last);
     if (side.degenerated)
       builder.Range(edge, first, last);

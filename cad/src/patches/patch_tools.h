@@ -51,6 +51,10 @@ void settleTolerances(const std::vector<TopoDS_Face>& faces);
 [[nodiscard]] Handle(Geom2d_Curve)
     straightPcurve(const gp_Pnt2d& a, const gp_Pnt2d& b, double first, double last);
 
+/// Smooth curve through `points` at `parameters`, both in order and of the same number.
+[[nodiscard]] Handle(Geom2d_Curve)
+    pcurveThrough(const std::vector<gp_Pnt2d>& points, const std::vector<double>& parameters);
+
 /// Vertices found by place: apices shared by the patches that end there.
 class PointPool {
  public:
@@ -90,11 +94,12 @@ struct PatchSide {
   gp_Pnt2d first;
   gp_Pnt2d last;
   bool degenerated = false;
-  TopoDS_Vertex pole;  ///< vertex of a degenerated side
+  TopoDS_Vertex pole;               ///< vertex of a degenerated side
+  Handle(Geom2d_Curve) curve = {};  ///< in (u,v), over the edge's range; null: straight
 };
 
 /// Face on `surface` whose wire runs through `sides` counter-clockwise in (u,v); sides whose edge
-/// runs the other way are reversed. Parameter curves are straight lines in (u,v). Null on failure.
+/// runs the other way are reversed. Null on failure.
 [[nodiscard]] TopoDS_Face faceFromSides(const Handle(Geom_Surface) & surface,
                                         const std::vector<PatchSide>& sides, double tolerance);
 

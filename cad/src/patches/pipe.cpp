@@ -1,13 +1,11 @@
 // A point of the offset whose foot is inside a convex edge lies at |d| from it, in the wedge
 // between the two face normals there: a piece of the pipe surface of radius |d| (Rossignac &
-// Requicha 1986). Straight edges give cylinders, circles give tori (spindle_pipe.cpp), the rest a
-// swept surface. The two long sides are the images of the edge in its faces, the short sides arcs
-// about its ends.
+// Requicha 1986). Straight edges give cylinders, circles give tori (spindle_pipe.cpp), the rest
+// swept surfaces (swept_pipe.cpp). The two long sides are the images of the edge in its faces, the
+// short sides arcs about its ends.
 #include "patches/pipe.h"
 
 #include <BRepAdaptor_Curve.hxx>
-#include <BRepLib.hxx>
-#include <BRepOffset_Offset.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom_CylindricalSurface.hxx>
@@ -93,26 +91,6 @@ std::optional<std::vector<TopoDS_Face>> linePipe(const PipeFrame& frame, ArcPool
       {long2, gp_Pnt2d(u2, v0), gp_Pnt2d(u2, v1), false, {}},
       arcSide(arc0, frame.first1, gp_Pnt2d(u1, v0), gp_Pnt2d(u2, v0))};
   return std::vector<TopoDS_Face>{faceFromSides(surface, sides, Precision::Confusion())};
-}
-
-TopoDS_Face sweptPipe(const PipeFrame& frame, ArcPool& arcs) {
-  const EdgeInfo& info = *frame.info;
-  const EdgeSample& a = info.samples.front();
-  const EdgeSample& b = info.samples.back();
-  const auto endArc = [&](const EdgeSample& s, const TopoDS_Vertex& v1, const TopoDS_Vertex& v2) {
-    if (v1.IsNull() || v2.IsNull() || v1.IsSame(v2)) return TopoDS_Edge();
-    const double turn = s.n1.Crossed(s.n2).Dot(s.tangent);
-    return arcs.arc(s.point, turn > 0 ? s.tangent : s.tangent.Reversed(), frame.radius, v1, v2);
-  };
-  const TopoDS_Edge first = endArc(a, frame.first1, frame.first2);
-  const TopoDS_Edge last = endArc(b, frame.last1, frame.last2);
-  const BRepOffset_Offset pipe(info.edge, frame.image1, frame.image2, frame.radius, first, last,
-                               Standard_False, frame.tolerance, GeomAbs_C1);
-  TopoDS_Face face = pipe.Face();
-  if (face.IsNull()) throw Standard_Failure("no pipe");
-  BRepLib::BuildCurves3d(face, frame.tolerance);
-  for (const TopoDS_Edge& edge : edgesOf(face)) raiseTolerance(edge, face);
-  return face;
 }
 
 }  // namespace phront::cad

@@ -34,7 +34,7 @@ struct PipeFrame {
 [[nodiscard]] std::optional<std::vector<TopoDS_Face>> circlePipe(const PipeFrame& frame,
                                                                  ArcPool& arcs, PointPool& apices);
 
-/// Swept surface round any other edge. Throws Standard_Failure when OpenCASCADE gives up.
+/// Swept surface round any other edge with both images. Throws Standard_Failure when there is none.
 [[nodiscard]] TopoDS_Face sweptPipe(const PipeFrame& frame, ArcPool& arcs);
 
 }  // namespace phront::cad

@@ -15,13 +15,9 @@
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <ElSLib.hxx>
-#include <Geom2dAPI_Interpolate.hxx>
-#include <Geom2d_BSplineCurve.hxx>
 #include <Geom_Curve.hxx>
 #include <Geom_SphericalSurface.hxx>
 #include <Precision.hxx>
-#include <TColStd_HArray1OfReal.hxx>
-#include <TColgp_HArray1OfPnt2d.hxx>
 #include <TopExp.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Wire.hxx>
@@ -247,20 +243,18 @@ void addSphereCurve(const TopoDS_Edge& edge, const TopoDS_Face& face,
   double first = 0;
   double last = 0;
   const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, first, last);
-  const Handle(TColgp_HArray1OfPnt2d) points = new TColgp_HArray1OfPnt2d(1, kArcPoints);
-  const Handle(TColStd_HArray1OfReal) parameters = new TColStd_HArray1OfReal(1, kArcPoints);
+  std::vector<gp_Pnt2d> points;
+  std::vector<double> parameters;
   for (int i = 0; i < kArcPoints; ++i) {
     const double t = first + (last - first) * i / (kArcPoints - 1);
     double u = 0;
     double v = 0;
     ElSLib::Parameters(sphere->Sphere(), curve->Value(t), u, v);
-    points->SetValue(i + 1, gp_Pnt2d(u, v));
-    parameters->SetValue(i + 1, t);
+    points.emplace_back(u, v);
+    parameters.push_back(t);
   }
-  Geom2dAPI_Interpolate interpolation(points, parameters, Standard_False, 1e-12);
-  interpolation.Perform();
   const BRep_Builder builder;
-  builder.UpdateEdge(edge, interpolation.Curve(), face, Precision::Confusion());
+  builder.UpdateEdge(edge, pcurveThrough(points, parameters), face, Precision::Confusion());
   builder.Range(edge, face, first, last);
   raiseTolerance(edge, face);
 }
