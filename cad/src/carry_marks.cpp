@@ -4,12 +4,11 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <algorithm>
-#include <map>
 #include <nlohmann/json.hpp>
 
 #include "exchange/guard.h"
 #include "phront/cad/shape_occt.h"
-#include "rebuild/select.h"
+#include "rebuild/origin.h"
 #include "tessellate/body_distance.h"
 
 namespace phront::cad {
@@ -21,21 +20,6 @@ constexpr GuardLimits kLimits{.seconds = 20, .memoryMiB = 2000};
 bool hasMarks(const Body& body) {
   return !body.faceColours.empty() || std::any_of(body.faceNames.begin(), body.faceNames.end(),
                                                   [](const std::string& n) { return !n.empty(); });
-}
-
-/// The feature that most samples of a face have their foot on; kNone without samples.
-Feature originOf(const TopoDS_Face& face, const TrueDistance& phi) {
-  std::map<Feature, int> votes;
-  for (const FaceSample& s : interiorSamples(face))
-    ++votes[phi.foot(Vec3(s.point.X(), s.point.Y(), s.point.Z())).feature];
-  Feature best;
-  int most = 0;
-  for (const auto& [feature, count] : votes) {
-    if (count <= most) continue;
-    most = count;
-    best = feature;
-  }
-  return best;
 }
 
 class MarkTable {

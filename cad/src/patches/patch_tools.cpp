@@ -54,6 +54,16 @@ std::optional<gp_Vec> rawNormal(const BRepAdaptor_Surface& surface, double u, do
   return n.Normalized();
 }
 
+/// The axis asked for, turned as little as makes the arc pass both ends: tangents of badly drawn
+/// edges are not perpendicular to the normals of their faces.
+gp_Vec arcAxis(const gp_Vec& axis, const gp_Vec& x, const gp_Vec& toB) {
+  constexpr double kPlane = 0.1;  // rad, between the arms: they tell the plane
+  const gp_Vec across = axis - x * (axis.Dot(x) / x.SquareMagnitude());
+  const gp_Vec normal = x.Crossed(toB);
+  if (normal.Magnitude() < kPlane * x.Magnitude() * toB.Magnitude()) return across;
+  return normal.Dot(axis) < 0 ? normal.Reversed() : normal;
+}
+
 double signedArea(const std::vector<PatchSide>& sides, const std::vector<bool>& reversed) {
   double twice = 0;
   for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -217,17 +227,16 @@ TopoDS_Vertex PointPool::at(const gp_Pnt& point, double tolerance) {
 
 TopoDS_Edge ArcPool::arc(const gp_Pnt& centre, const gp_Vec& axis, double radius,
                          const TopoDS_Vertex& from, const TopoDS_Vertex& to) {
-  const gp_Pnt a = BRep_Tool::Pnt(from);
-  const gp_Pnt b = BRep_Tool::Pnt(to);
-  const gp_Vec x(centre, a);
-  const gp_Vec y = axis.Crossed(x);
-  const gp_Vec toB(centre, b);
-  double angle = std::atan2(toB.Dot(y.Normalized()), toB.Dot(x.Normalized()));
+  const gp_Vec x(centre, BRep_Tool::Pnt(from));
+  const gp_Vec toB(centre, BRep_Tool::Pnt(to));
+  const gp_Vec turn = arcAxis(axis, x, toB);
+  const gp_Vec y = turn.Crossed(x).Normalized();
+  double angle = std::atan2(toB.Dot(y), toB.Dot(x.Normalized()));
   // Between vertices that almost coincide it is round-off which of them comes first.
   const bool backward = angle < 0 && angle > -kAlmostNone;
   if (backward) angle = -angle;
   if (angle < 0) angle += 2 * M_PI;
-  const gp_Ax2 frame(centre, gp_Dir(backward ? axis.Reversed() : axis), gp_Dir(x));
+  const gp_Ax2 frame(centre, gp_Dir(backward ? turn.Reversed() : turn), gp_Dir(x));
   const Handle(Geom_Circle) circle = new Geom_Circle(frame, radius);
   return shared(circle, angle, from, to);
 }

@@ -22,6 +22,7 @@
 #include "judge/check_topology.h"
 #include "judge/exchange_fault.h"
 #include "phront/cad/shape_occt.h"
+#include "rebuild/reunite.h"
 
 namespace phront::cad {
 namespace {
@@ -33,6 +34,7 @@ constexpr double kCheckSeconds = 30;
 constexpr double kLeastCheckSeconds = 10;  // also past the deadline: an attempt is worth it
 // No attempt is started with less time than this left, s.
 constexpr double kLeastAttempt = 1;
+constexpr double kReuniteSeconds = 5;
 // Nor with less than this share of the time that another setting found too short.
 constexpr double kShareOfTimeout = 0.5;
 
@@ -113,22 +115,28 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
     return trial;
   }
   JudgedAttempt judged;
-  judged.bodies = bodiesOf(attempt->shape, body.kind, body.name);
   judged.setting = setting.name;
   judged.reach = setting.reach;
   judged.fittedFaces = attempt->fittedFaces;
   judged.facetedFaces = attempt->facetedFaces;
-  judged.check = checkBody(body, judged.bodies, options,
-                           deadline.forStep(1, kLeastCheckSeconds, kCheckSeconds));
-  CheckResult& check = judged.check;
-  if (check.pass()) {
+  const auto judge = [&](const TopoDS_Shape& shape) {
+    judged.bodies = bodiesOf(shape, body.kind, body.name);
+    judged.check = checkBody(body, judged.bodies, options,
+                             deadline.forStep(1, kLeastCheckSeconds, kCheckSeconds));
+    if (!judged.check.pass()) return judged.check.sound();
     Model out;
     out.bodies = judged.bodies;
     const double diagonal = phi.surface().box().diagonal().norm();
     const MeshSize size = usualMeshSize({diagonal, options.distance, body.kind == BodyKind::Solid});
-    if (std::string fault = exchangeFault(out, size); !fault.empty())
-      check.reasons.push_back(std::move(fault));
-  }
+    std::string fault = exchangeFault(out, size);
+    if (!fault.empty()) judged.check.reasons.push_back(std::move(fault));
+    return judged.check.pass();
+  };
+  TopoDS_Shape whole;
+  if (solid && attempt->fittedFaces + attempt->facetedFaces == 0)
+    whole = reuniteFaces(attempt->shape, phi, std::clamp(deadline.left(), 1.0, kReuniteSeconds));
+  if (whole.IsNull() || !judge(whole)) judge(attempt->shape);
+  const CheckResult& check = judged.check;
   trial.accepted = check.pass();
   say((trial.accepted ? "accepted; " : "rejected: " + check.reasons.front() + "; ") + counts);
   trial.judged = std::move(judged);

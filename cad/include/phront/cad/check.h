@@ -48,6 +48,8 @@ struct CheckResult {
   Vec3 worstPoint = Vec3::Zero();
   std::vector<std::string> reasons;  ///< why it fails; empty when it passes
   [[nodiscard]] bool pass() const { return reasons.empty(); }
+  /// Topology and tessellation are right, whatever the distances are.
+  [[nodiscard]] bool sound() const { return valid && closed && untessellatedFaces == 0; }
 };
 
 /// Independent of how OUT was made. An empty OUT model asks "is the true offset empty?".
