@@ -37,6 +37,7 @@ constexpr int kMostSpans = 128;
 constexpr double kWidestArc = 2;      // rad
 constexpr double kOpposite = 3;       // rad: no middle beyond
 constexpr double kWorstError = 1e-3;  // of |d|: worse is none
+// Of those of the frame: good enough. Pieces may be off their level by ten.
 constexpr double kTolerances = 3;
 constexpr int kArcPoints = 9;
 

@@ -119,6 +119,7 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
   judged.reach = setting.reach;
   judged.fittedFaces = attempt->fittedFaces;
   judged.facetedFaces = attempt->facetedFaces;
+  // False where the shape itself is at fault, not where it lies.
   const auto judge = [&](const TopoDS_Shape& shape) {
     judged.bodies = bodiesOf(shape, body.kind, body.name);
     judged.check = checkBody(body, judged.bodies, options,
