@@ -91,7 +91,7 @@ void findWidestGap(const TopoDS_Shape& shape, TopologyFigures& figures) {
   TopExp::MapShapes(shape, TopAbs_EDGE, map);
   for (int k = 1; k <= map.Extent(); ++k) {
     const TopoDS_Edge& edge = TopoDS::Edge(map(k));
-    if (BRep_Tool::Degenerated(edge)) continue;
+    if (BRep_Tool::Degenerated(edge) || !BRep_Tool::IsGeometric(edge)) continue;
     const BRepAdaptor_Curve curve(edge);
     note(BRep_Tool::Tolerance(edge),
          curve.Value((curve.FirstParameter() + curve.LastParameter()) / 2));

@@ -326,8 +326,13 @@ TopoDS_Face sweptPipe(const PipeFrame& frame, ArcPool& arcs) {
   };
   const TopoDS_Edge first = endArc(info.samples.front(), frame.first1, frame.first2);
   const TopoDS_Edge last = endArc(info.samples.back(), frame.last1, frame.last2);
-  if (frame.first1.IsNull() || frame.first2.IsNull() || frame.last1.IsNull() ||
-      frame.last2.IsNull()) {
+  const auto runs = [](const TopoDS_Edge& image, const TopoDS_Vertex& from,
+                       const TopoDS_Vertex& to) {
+    return !from.IsNull() && !to.IsNull() && TopExp::FirstVertex(image).IsSame(from) &&
+           TopExp::LastVertex(image).IsSame(to);
+  };
+  if (!runs(frame.image1, frame.first1, frame.last1) ||
+      !runs(frame.image2, frame.first2, frame.last2)) {
     return plainPipe(frame, first, last);
   }
   SweptPipe pipe(frame);
