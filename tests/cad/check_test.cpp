@@ -207,6 +207,13 @@ TEST(Check, PassesEmptyResultOfAPartThatVanishes) {
 
 // ---- wrong results ---------------------------------------------------------------------------
 
+// Next to none of the ordinary samples find it.
+TEST(Check, ConfirmsTheLittleThatIsLeft) {
+  const CheckResult result = check(box(20, 20, 20), box(20, 20, 20, -9.8), -9.8);
+  EXPECT_TRUE(result.pass()) << reasonsOf(result);
+  EXPECT_FALSE(check(box(20, 20, 20), box(20, 20, 20, -9.2), -9.8).pass());
+}
+
 TEST(Check, FailsSharpCorners) {
   EXPECT_TRUE(says(check(box(100, 60, 40), box(100, 60, 40, 5), 5), "inaccurate"));
 }

@@ -15,6 +15,7 @@
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
 #include <Geom_BezierCurve.hxx>
+#include <Geom_Curve.hxx>
 #include <TColgp_Array1OfPnt.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -258,6 +259,25 @@ TEST(ExactOffset, SheetLiesOnTheSideOfItsNormals) {
   ASSERT_FALSE(in->shape.IsNull());
   EXPECT_EQ(count(in->shape, TopAbs_FACE), 2);
   EXPECT_NEAR(areaOf(in->shape), 160, 1e-6);
+}
+
+TEST(ArcPool, ArcsPassBothEndsTheShortWay) {
+  const gp_Pnt centre(1, 2, 3);
+  const auto vertexAt = [&](double angle) {
+    return makeVertex(centre.Translated(gp_Vec(2 * std::cos(angle), 2 * std::sin(angle), 0)), 1e-7);
+  };
+  const gp_Vec leaning(0.3, 0.1, 1);  // as the tangent of a badly drawn edge
+  ArcPool arcs;
+  // A quarter; and ends in the wrong order, by round-off.
+  for (const double to : {kPi / 2, -1e-4}) {
+    const TopoDS_Edge arc = arcs.arc(centre, leaning, 2, vertexAt(0), vertexAt(to));
+    double first = 0;
+    double last = 0;
+    const Handle(Geom_Curve) curve = BRep_Tool::Curve(arc, first, last);
+    EXPECT_NEAR(last - first, std::abs(to), 1e-6);
+    EXPECT_LT(curve->Value(first).Distance(BRep_Tool::Pnt(TopExp::FirstVertex(arc))), 1e-4);
+    EXPECT_LT(curve->Value(last).Distance(BRep_Tool::Pnt(TopExp::LastVertex(arc))), 1e-4);
+  }
 }
 
 /// Both ends of a cylinder, one cut off at 45 degrees: its edge is an ellipse.

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
+#include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBndLib.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
@@ -11,12 +13,17 @@
 #include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
 #include <TopoDS_Compound.hxx>
+#include <gp.hxx>
+#include <gp_Ax2.hxx>
+#include <gp_Circ.hxx>
 #include <gp_Pln.hxx>
 
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "judge/exchange_fault.h"
+#include "rebuild/contact_cells.h"
 #include "rebuild/exact_offset.h"
 #include "rebuild/facet_gaps.h"
 #include "rebuild/facet_stage.h"
@@ -27,6 +34,7 @@
 #include "rebuild/living_cells.h"
 #include "rebuild/near_bodies.h"
 #include "rebuild/repair.h"
+#include "rebuild/reunite.h"
 #include "solids.h"
 
 namespace phront::cad {
@@ -47,6 +55,12 @@ std::vector<TopoDS_Face> facesOf(const TopoDS_Shape& shape) {
   for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next())
     faces.push_back(TopoDS::Face(f.Current()));
   return faces;
+}
+
+double volumeOf(const TopoDS_Shape& shape) {
+  GProp_GProps properties;
+  BRepGProp::VolumeProperties(shape, properties);
+  return properties.Mass();
 }
 
 TopoDS_Face square(const gp_Pnt& middle, const gp_Dir& normal, double half) {
@@ -72,6 +86,50 @@ TEST(LivingCells, OnlyPatchesThatMeetOnTheLevelMayCross) {
   EXPECT_TRUE(cells.mayCross(0, 1));
   EXPECT_FALSE(cells.mayCross(0, 2));
   EXPECT_FALSE(cells.mayCross(3, 4));
+}
+
+// The box of a half circle holds its middle, its cells do not.
+TEST(ContactCells, OnlyCellsThatMeetTouch) {
+  const gp_Circ circle(gp_Ax2(gp_Pnt(0, 0, 0), gp::DZ()), 10);
+  const TopoDS_Edge arc = BRepBuilderAPI_MakeEdge(circle, 0, std::numbers::pi);
+  const TopoDS_Edge across = BRepBuilderAPI_MakeEdge(gp_Pnt(0, 9, -1), gp_Pnt(0, 11, 1));
+  const TopoDS_Edge inside = BRepBuilderAPI_MakeEdge(gp_Pnt(-1, 2, 0), gp_Pnt(1, 2, 0));
+  ContactCells cells(1e-7);
+  EXPECT_TRUE(cells.mayTouch(0, arc, 1, square(gp_Pnt(0, 10, 0), gp::DX(), 1)));
+  EXPECT_FALSE(cells.mayTouch(0, arc, 2, square(gp_Pnt(0, 2, 0), gp::DX(), 1)));
+  EXPECT_TRUE(cells.mayTouch(0, arc, 3, across));
+  EXPECT_FALSE(cells.mayTouch(0, arc, 4, inside));
+}
+
+TopoDS_Shape exactOffset(const TopoDS_Shape& shape, double distance, const TrueDistance& phi) {
+  const Result<AttemptResult> made =
+      tryExactOffset(shape, true, distance, phi, attemptSettings().front());
+  EXPECT_TRUE(made) << (made ? "" : made.error().message);
+  return made ? made->shape : TopoDS_Shape();
+}
+
+TEST(ReuniteFaces, MakesDividedOnesWhole) {
+  const TopoDS_Shape cylinder = test::cylinder(5, 10);
+  const TrueDistance phi = distanceOf(cylinder, 0.02);
+  const TopoDS_Shape divided = exactOffset(cylinder, 1, phi);
+  const TopoDS_Shape whole = reuniteFaces(divided, phi, 20);
+  ASSERT_FALSE(whole.IsNull());
+  EXPECT_GT(facesOf(divided).size(), 5U);
+  EXPECT_EQ(facesOf(whole).size(), 5U);  // mantle, two caps, two rims
+  EXPECT_TRUE(BRepCheck_Analyzer(whole).IsValid());
+  EXPECT_NEAR(volumeOf(whole), volumeOf(divided), 1e-6 * volumeOf(divided));
+}
+
+// Each may have a name and a colour of its own.
+TEST(ReuniteFaces, KeepsApartWhatWasTwoOnThePart) {
+  const TopoDS_Shape box =
+      TopExp_Explorer(BRepAlgoAPI_Fuse(movedBox(4, 0), movedBox(4, 4)).Shape(), TopAbs_SOLID)
+          .Current();
+  ASSERT_EQ(facesOf(box).size(), 10U);
+  const TrueDistance phi = distanceOf(box, 0.02);
+  const TopoDS_Shape shrunk = exactOffset(box, -1, phi);
+  ASSERT_EQ(facesOf(shrunk).size(), 10U);
+  EXPECT_TRUE(reuniteFaces(shrunk, phi, 20).IsNull());
 }
 
 TEST(FillGaps, ClosesWhereAPieceIsMissing) {

@@ -23,15 +23,11 @@
 #include <BRep_Tool.hxx>
 #include <ElSLib.hxx>
 #include <GProp_GProps.hxx>
-#include <Geom2dAPI_Interpolate.hxx>
-#include <Geom2d_BSplineCurve.hxx>
 #include <Geom_Circle.hxx>
 #include <Geom_Line.hxx>
 #include <Precision.hxx>
 #include <Standard_Failure.hxx>
 #include <TColStd_Array1OfReal.hxx>
-#include <TColStd_HArray1OfReal.hxx>
-#include <TColgp_HArray1OfPnt2d.hxx>
 #include <TopAbs.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -436,15 +432,15 @@ class Recogniser {
     TopLoc_Location location;
     const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, location, first, last);
     if (curve.IsNull()) throw Standard_Failure("an edge without a curve");
-    const Handle(TColgp_HArray1OfPnt2d) points = new TColgp_HArray1OfPnt2d(1, kCurvePoints);
-    const Handle(TColStd_HArray1OfReal) at = new TColStd_HArray1OfReal(1, kCurvePoints);
+    std::vector<gp_Pnt2d> points;
+    std::vector<double> at;
     for (int i = 0; i < kCurvePoints; ++i) {
       const double t = first + (last - first) * i / (kCurvePoints - 1);
       gp_Pnt2d uv = parametersOn(surface, curve->Value(t).Transformed(location.Transformation()));
       uv.SetX(nearest(uv.X(), middle.X()));
       if (surface.GetType() == GeomAbs_Torus) uv.SetY(nearest(uv.Y(), middle.Y()));
-      points->SetValue(i + 1, uv);
-      at->SetValue(i + 1, t);
+      points.push_back(uv);
+      at.push_back(t);
     }
     const BRep_Builder builder;
     builder.UpdateEdge(edge, curveThrough(points, at), face, Precision::Confusion());
@@ -452,23 +448,21 @@ class Recogniser {
     raiseTolerance(edge, face);
   }
 
-  static CurveOnFace curveThrough(const Handle(TColgp_HArray1OfPnt2d) & points,
-                                  const Handle(TColStd_HArray1OfReal) & at) {
-    const gp_Pnt2d& a = points->First();
-    const gp_Pnt2d& b = points->Last();
-    const double first = at->First();
-    const double last = at->Last();
+  static CurveOnFace curveThrough(const std::vector<gp_Pnt2d>& points,
+                                  const std::vector<double>& at) {
+    const gp_Pnt2d& a = points.front();
+    const gp_Pnt2d& b = points.back();
+    const double first = at.front();
+    const double last = at.back();
     double off = 0;
-    for (int i = 1; i <= points->Length(); ++i) {
-      const double s = (at->Value(i) - first) / (last - first);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double s = (at[i] - first) / (last - first);
       const gp_Pnt2d straight(a.XY() + s * (b.XY() - a.XY()));
-      off = std::max(off, straight.Distance(points->Value(i)));
+      off = std::max(off, straight.Distance(points[i]));
     }
     constexpr double kStraight = 1e-9;
     if (off <= kStraight * std::max(1.0, a.Distance(b))) return straightPcurve(a, b, first, last);
-    Geom2dAPI_Interpolate interpolation(points, at, Standard_False, 1e-12);
-    interpolation.Perform();
-    return CurveOnFace(interpolation.Curve());
+    return pcurveThrough(points, at);
   }
 
   /// The shape with its renewed faces, all placements spelt out.

@@ -37,8 +37,7 @@ constexpr int kMostSpans = 128;
 constexpr double kWidestArc = 2;      // rad
 constexpr double kOpposite = 3;       // rad: no middle beyond
 constexpr double kWorstError = 1e-3;  // of |d|: worse is none
-// Of those of the frame: good enough. Pieces may be off their level by ten.
-constexpr double kTolerances = 3;
+constexpr double kGoodEnough = 3;  // tolerances of the frame; pieces may be off their level by ten
 constexpr int kArcPoints = 9;
 
 /// A circle arc from a to b, less than half a turn.
@@ -77,7 +76,7 @@ class SweptPipe {
 
   /// `surface` runs across in u and along the edge in v, as the edge does.
   [[nodiscard]] bool isGood(const Geom_Surface& surface) const {
-    return error(surface, kFewestSpans) <= kTolerances * frame_.tolerance;
+    return error(surface, kFewestSpans) <= kGoodEnough * frame_.tolerance;
   }
 
   /// Null when the tolerance stays out of reach by far.
@@ -95,7 +94,7 @@ class SweptPipe {
         best = surface;
         least = off;
       }
-      if (off <= kTolerances * frame_.tolerance) break;
+      if (off <= kGoodEnough * frame_.tolerance) break;
     }
     return best;
   }

@@ -18,6 +18,8 @@
 #include <queue>
 
 #include "patches/patch_tools.h"
+#include "rebuild/surface_cells.h"
+#include "tessellate/face_surface.h"
 
 namespace phront::cad {
 namespace {
@@ -25,81 +27,46 @@ namespace {
 // Cells of one patch, and the reach in |d| below which a cell is not divided further.
 constexpr std::size_t kMostCells = 192;
 constexpr double kSmallReach = 0.1;
-// What bulges between the sample points of a cell, in parts of its reach.
-constexpr double kBulge = 0.15;
 constexpr int kEdgePoints = 65;
 // Cells within this many |d| of a shared edge are near it. Larger values save time and lose
 // crossings of short patches.
 constexpr double kNearEdge = 0.3;
 
-Vec3 toVec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
+/// What a cell may reach, bulges included.
+double reachOf(const SurfaceCell& cell) { return (1 + kBulge) * cell.reach; }
 
-struct Cell {
-  double u0, u1, v0, v1;
-  Box3 box;  ///< with margin
-  Vec3 centre;
-  double reach = 0;
-  bool operator<(const Cell& other) const { return reach < other.reach; }
-};
-
-Cell makeCell(const BRepAdaptor_Surface& surface, double u0, double u1, double v0, double v1) {
-  Cell cell{u0, u1, v0, v1, {}, {}, 0};
-  cell.centre = toVec(surface.Value((u0 + u1) / 2, (v0 + v1) / 2));
-  for (const double u : {u0, (u0 + u1) / 2, u1}) {
-    for (const double v : {v0, (v0 + v1) / 2, v1}) {
-      const Vec3 p = toVec(surface.Value(u, v));
-      cell.box.extend(p);
-      cell.reach = std::max(cell.reach, (p - cell.centre).norm());
-    }
-  }
-  cell.reach *= 1 + kBulge;
-  const Vec3 margin = Vec3::Constant(kBulge * cell.reach);
-  cell.box.min() -= margin;
-  cell.box.max() += margin;
-  return cell;
-}
-
-std::array<Cell, 2> halves(const BRepAdaptor_Surface& surface, const Cell& c) {
-  const double u = (c.u0 + c.u1) / 2;
-  const double v = (c.v0 + c.v1) / 2;
-  const double sizeU = surface.Value(c.u0, v).Distance(surface.Value(c.u1, v));
-  const double sizeV = surface.Value(u, c.v0).Distance(surface.Value(u, c.v1));
-  if (sizeU > sizeV) {
-    return {makeCell(surface, c.u0, u, c.v0, c.v1), makeCell(surface, u, c.u1, c.v0, c.v1)};
-  }
-  return {makeCell(surface, c.u0, c.u1, c.v0, v), makeCell(surface, c.u0, c.u1, v, c.v1)};
-}
+Box3 boxOf(const SurfaceCell& cell) { return grown(cell.box, kBulge * reachOf(cell)); }
 
 /// The largest cells are divided first; what is proven dead goes.
 std::vector<Box3> livingCells(const TopoDS_Face& face, double distance, double tolerance,
                               const TrueDistance& phi) {
   const BRepAdaptor_Surface surface(face, Standard_False);
   const double error = phi.tessellation().measuredDeflection + tolerance;
-  const auto dead = [&](const Cell& cell) {
+  const auto dead = [&](const SurfaceCell& cell) {
     const FootPoint foot = phi.surface().foot(cell.centre);
-    return std::abs(std::abs(foot.distance) - std::abs(distance)) > cell.reach + 2 * error;
+    return std::abs(std::abs(foot.distance) - std::abs(distance)) > reachOf(cell) + 2 * error;
   };
   double u0 = 0;
   double u1 = 0;
   double v0 = 0;
   double v1 = 0;
   BRepTools::UVBounds(face, u0, u1, v0, v1);
-  std::priority_queue<Cell> open;
+  std::priority_queue<SurfaceCell> open;
   std::vector<Box3> done;
-  const Cell whole = makeCell(surface, u0, u1, v0, v1);
+  const SurfaceCell whole = surfaceCell(surface, u0, u1, v0, v1);
   if (!dead(whole)) open.push(whole);
   while (!open.empty() && open.size() + done.size() < kMostCells) {
-    const Cell cell = open.top();
+    const SurfaceCell cell = open.top();
     open.pop();
-    if (cell.reach < kSmallReach * std::abs(distance)) {
-      done.push_back(cell.box);
+    if (reachOf(cell) < kSmallReach * std::abs(distance)) {
+      done.push_back(boxOf(cell));
       continue;
     }
-    for (const Cell& half : halves(surface, cell)) {
+    for (const SurfaceCell& half : halves(surface, cell)) {
       if (!dead(half)) open.push(half);
     }
   }
-  for (; !open.empty(); open.pop()) done.push_back(open.top().box);
+  for (; !open.empty(); open.pop()) done.push_back(boxOf(open.top()));
   return done;
 }
 
@@ -119,7 +86,7 @@ std::vector<std::pair<Vec3, double>> sharedPoints(const TopoDS_Face& a, const To
     std::vector<Vec3> along;
     double step = 0;
     for (int i = 0; i < kEdgePoints; ++i) {
-      along.push_back(toVec(curve.Value(t0 + (t1 - t0) * i / (kEdgePoints - 1))));
+      along.push_back(toVec3(curve.Value(t0 + (t1 - t0) * i / (kEdgePoints - 1)).XYZ()));
       if (i > 0) step = std::max(step, (along[i] - along[i - 1]).norm());
     }
     for (const Vec3& p : along) points.emplace_back(p, step);
