@@ -230,6 +230,29 @@ TEST_F(Exchange, LooseFacesThatCloseBecomeASolid) {
   EXPECT_EQ(asIs->bodies.size(), 6U);
 }
 
+TEST_F(Exchange, FacesOfASheetThatDisagreeAreNamed) {
+  // Two faces of a box side by side, the second inside out.
+  const TopoDS_Shape box = BRepPrimAPI_MakeBox(1, 2, 3).Shape();
+  TopExp_Explorer it(box, TopAbs_FACE);
+  const TopoDS_Shape first = BRepBuilderAPI_Copy(it.Current()).Shape();
+  it.Next();
+  it.Next();
+  const TopoDS_Shape second = BRepBuilderAPI_Copy(it.Current()).Shape();
+  for (const bool disagree : {false, true}) {
+    Model model;
+    model.bodies.push_back(bodyOf(first, ""));
+    model.bodies.push_back(bodyOf(disagree ? second.Reversed() : second, ""));
+    ASSERT_TRUE(writeModel(model, path("sheet.brep")));
+    const auto again = readModel(path("sheet.brep"));
+    ASSERT_TRUE(again) << again.error().message;
+    ASSERT_EQ(again->bodies.size(), 1U);
+    const bool named = std::any_of(
+        again->warnings.begin(), again->warnings.end(),
+        [](const std::string& w) { return w.find("1 face is turned") != std::string::npos; });
+    EXPECT_EQ(named, disagree);
+  }
+}
+
 TEST_F(Exchange, InsideOutSolidIsTurned) {
   Model model;
   model.bodies.push_back(bodyOf(BRepPrimAPI_MakeBox(1, 2, 3).Solid().Reversed(), "box"));

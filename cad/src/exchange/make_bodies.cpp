@@ -149,9 +149,11 @@ class BodyMaker {
                     double tolerance) {
     int freeEdges = 0;
     int sheets = 0;
+    int turned = 0;
     for (const RepairedBody& body : bodies) {
       if (body.solid) continue;
       ++sheets;
+      turned += body.turned;
       freeEdges += edgeUse(facesOf(body.shape)).freeEdges;
     }
     if (asRead.freeEdges > freeEdges) {
@@ -159,6 +161,12 @@ class BodyMaker {
           fmt::format("faces without a solid are sewn within {:.3g} mm: {} free edges before, {} "
                       "after",
                       tolerance, asRead.freeEdges, freeEdges));
+    }
+    if (turned > 0) {
+      model_.warnings.push_back(
+          fmt::format("{} turned to agree with the neighbours: look on which side of the sheet the "
+                      "result lies, the other has the other sign",
+                      turned == 1 ? "1 face is" : fmt::format("{} faces are", turned)));
     }
     if (sheets > 0) {
       model_.warnings.push_back(fmt::format("read as {} sheet{}: {} free edges", sheets,

@@ -60,14 +60,15 @@ std::string plural(int count, const char* noun) {
   return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
 }
 
-// Index of the input face behind each face of a sewn shape.
+// The input face behind each face of a sewn shape.
 class SewnOrder {
  public:
   SewnOrder(const FaceSet& faces, const BRepBuilderAPI_Sewing& sewing, ShapeMarks& marks) {
     for (const TopoDS_Face& face : faces) {
       const TopoDS_Shape now = sewing.IsModified(face) ? sewing.Modified(face) : face;
       for (TopExp_Explorer it(now, TopAbs_FACE); it.More(); it.Next()) {
-        order_.Add(it.Current());
+        if (order_.Add(it.Current()) > static_cast<int>(asRead_.size()))
+          asRead_.push_back(face.Orientation());
         marks.copy(face, it.Current());
       }
     }
@@ -77,10 +78,22 @@ class SewnOrder {
       return order_.FindIndex(a) < order_.FindIndex(b);
     });
   }
+  // Sewing keeps a face's surface, so that orientations can be compared.
+  [[nodiscard]] bool turned(const TopoDS_Face& sewn) const {
+    const int index = order_.FindIndex(sewn);
+    return index > 0 && asRead_[static_cast<std::size_t>(index - 1)] != sewn.Orientation();
+  }
 
  private:
   TopTools_IndexedMapOfShape order_;
+  std::vector<TopAbs_Orientation> asRead_;
 };
+
+// Sewing makes faces agree, in the way of the first.
+int turnedFaces(const FaceSet& sheet, const SewnOrder& order) {
+  return static_cast<int>(std::count_if(
+      sheet.begin(), sheet.end(), [&](const TopoDS_Face& face) { return order.turned(face); }));
+}
 
 // Shells of the solid after dropping and turning faces. Sets `changed`.
 std::vector<FaceSet> agreeingShells(const TopoDS_Shape& solid, RepairContext& context,
@@ -233,12 +246,11 @@ std::vector<RepairedBody> sewFaces(const FaceSet& faces, RepairContext& context)
   for (int i = 1; i <= shells.Extent(); ++i) {
     FaceSet set = facesOf(shells(i));
     order.sort(set);
-    const TopoDS_Shell shell = shellOf(set);
     if (!BRep_Tool::IsClosed(shells(i))) {
-      bodies.push_back({shell, false});
+      bodies.push_back({shellOf(set), false, true, turnedFaces(set, order)});
       continue;
     }
-    TopoDS_Solid solid = BRepBuilderAPI_MakeSolid(shell).Solid();
+    TopoDS_Solid solid = BRepBuilderAPI_MakeSolid(shellOf(set)).Solid();
     BRepLib::OrientClosedSolid(solid);
     bodies.push_back({solid, true});
   }

@@ -15,6 +15,7 @@ struct RepairedBody {
   TopoDS_Shape shape;  ///< TopoDS_Solid or TopoDS_Shell
   bool solid = false;
   bool valid = true;  ///< false: a fault that could not be healed
+  int turned = 0;     ///< faces of a sewn sheet that were the other way round
 };
 
 struct RepairContext {
