@@ -30,6 +30,7 @@ nlohmann::json jsonOf(const std::vector<cad::BodyReport>& bodies) {
                     {"exact_faces", body.exactFaces},
                     {"fitted_faces", body.fittedFaces},
                     {"faceted_faces", body.facetedFaces},
+                    {"rounded_faces", body.roundedFaces},
                     {"solids", body.solids},
                     {"setting", body.setting},
                     {"attempts", body.attempts},

@@ -6,6 +6,7 @@
 
 #include "body_reports.h"
 #include "cli.h"
+#include "join_wish.h"
 #include "phront/cad/check.h"
 #include "phront/cad/exchange.h"
 #include "shell_wish.h"
@@ -17,6 +18,7 @@ struct CheckArguments {
   std::filesystem::path out;
   std::filesystem::path in;
   std::string distance;
+  JoinWish join;
   ShellWish shell;  ///< of a shell: no distance then
   CommonOptions common;
 };
@@ -70,6 +72,8 @@ int runCheck(const CheckArguments& arguments) {
     cad::CheckOptions options;
     options.distance = *length;
     options.tolerance = *tolerance;
+    options.join = arguments.join.join;
+    options.mitreLimit = arguments.join.mitreLimit;
     check = cad::checkOffset(*in, *out, options, makeProgress(common));
     endProgress(common);
   }
@@ -96,6 +100,7 @@ void addCheckCommand(CLI::App& app, int& exitCode) {
   command->add_option("OUT", arguments->out, "The offset to judge")->required();
   command->add_option("--against", arguments->in, "The part it was made from")->required();
   command->add_option("-d,--distance", arguments->distance, "Signed distance of an offset");
+  addJoinWish(*command, arguments->join);
   addShellWish(*command, arguments->shell);
   addCommonOptions(*command, arguments->common);
   command->callback([arguments, &exitCode] { exitCode = runCheck(*arguments); });

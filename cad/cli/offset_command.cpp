@@ -7,6 +7,7 @@
 
 #include "body_reports.h"
 #include "cli.h"
+#include "join_wish.h"
 #include "offset_drawing.h"
 #include "offset_mesh.h"
 #include "offset_surfaces.h"
@@ -20,7 +21,7 @@ struct OffsetArguments {
   std::filesystem::path in;
   std::filesystem::path out;
   std::string distance;
-  std::string join = "arc";
+  JoinWish join;
   bool parametric = false;
   bool surfaces = false;
   double timeLimit = cad::OffsetOptions().timeLimit;
@@ -29,6 +30,7 @@ struct OffsetArguments {
 
 nlohmann::json jsonOf(const cad::OffsetReport& report) {
   return {{"distance_mm", report.options.distance},
+          {"join", report.options.join == cad::Join::Mitre ? "mitre" : "arc"},
           {"tolerance_mm", report.options.tolerance.value_or(0)},
           {"bodies", cli::jsonOf(report.bodies)},
           {"check", cli::jsonOf(report.check)},
@@ -95,11 +97,19 @@ int runOffset(const OffsetArguments& arguments) {
   options.distance = *distance;
   options.threads = arguments.common.threads;
   options.timeLimit = arguments.timeLimit;
+  options.join = arguments.join.join;
+  options.mitreLimit = arguments.join.mitreLimit;
   const Result<std::optional<double>> tolerance = toleranceOf(arguments.common);
   if (!tolerance) return reportError(tolerance.error());
   options.tolerance = *tolerance;
   if (const Result<void> ok = checkOutputPath(arguments.out, arguments.in); !ok)
     return reportError(ok.error());
+  const auto isSolidPath = [](const std::filesystem::path& path) {
+    return !isMeshPath(path) && !isDrawingPath(path);
+  };
+  if (options.join == cad::Join::Mitre &&
+      (arguments.surfaces || !isSolidPath(arguments.in) || !isSolidPath(arguments.out)))
+    return reportUsage("--join mitre makes CAD solids: name a STEP, IGES or BREP file in and out");
   if (isDrawingPath(arguments.in) || isDrawingPath(arguments.out)) {
     const bool fromCurves = isDrawingPath(arguments.in) || cad::shapeFormatOf(arguments.in);
     if (!fromCurves || !isDrawingPath(arguments.out))
@@ -163,8 +173,7 @@ void addOffsetCommand(CLI::App& app, int& exitCode) {
       ->add_option("-d,--distance", arguments->distance,
                    "Distance: positive grows the solid, negative shrinks it")
       ->required();
-  command->add_option("--join", arguments->join, "Convex edges: arc (rounded, true distance)")
-      ->check(CLI::IsMember({"arc"}));
+  addJoinWish(*command, arguments->join);
   command->add_flag("--parametric", arguments->parametric,
                     "Mesh output: move the input's own nodes, keep connectivity and order");
   command->add_flag("--surfaces", arguments->surfaces,

@@ -135,6 +135,17 @@ class BodiesOffset {
   std::vector<BodyOffset> offsets_;
 };
 
+// A mitre was asked for, and somewhere there is none.
+void tellRounded(const BodyReport& body, const OffsetOptions& options,
+                 std::vector<std::string>& warnings) {
+  if (body.roundedFaces == 0) return;
+  const std::string who = body.name.empty() ? "" : " of '" + body.name + "'";
+  warnings.push_back(fmt::format(
+      "{} face(s){} round edges and corners stay round: their mitre would reach farther than {:g} "
+      "|d|, or could not be made",
+      body.roundedFaces, who, options.mitreLimit));
+}
+
 // The check of the whole: of the only body, or of all together (bodies may come to overlap).
 CheckResult checkWhole(const Model& in, const OffsetResult& result, const Deadline& deadline) {
   const OffsetReport& report = result.report;
@@ -150,6 +161,8 @@ CheckResult checkWhole(const Model& in, const OffsetResult& result, const Deadli
   CheckOptions options;
   options.distance = report.options.distance;
   options.tolerance = report.options.tolerance;
+  options.join = report.options.join;
+  options.mitreLimit = report.options.mitreLimit;
   options.timeLimit = deadline.forStep(1, kLeastCheckSeconds, options.timeLimit);
   const Result<CheckResult> check = checkOffset(in, result.model, options);
   if (!check) {
@@ -172,6 +185,8 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
   const Result<double> tolerance =
       checkedTolerance(model, requested.distance, requested.tolerance, requested.timeLimit);
   if (!tolerance) return tl::unexpected(tolerance.error());
+  if (!(requested.mitreLimit > 1) || !std::isfinite(requested.mitreLimit))
+    return fail(ErrorCode::InvalidArgument, "the mitre limit must be a number above 1");
   OffsetOptions options = requested;
   options.tolerance = *tolerance;
   OffsetResult result;
@@ -194,6 +209,7 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
           fmt::format("parts of the offset just touch or lose their width at this distance: it is "
                       "made at {:g} of it",
                       offset.report.reach));
+    tellRounded(offset.report, options, report.warnings);
     for (Body& body : offset.bodies) result.model.bodies.push_back(std::move(body));
     addTimes(report.times, offset.times);
     report.bodies.push_back(std::move(offset.report));
@@ -222,6 +238,8 @@ Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
     CheckOptions options;
     options.distance = made.distance;
     options.tolerance = made.tolerance;
+    options.join = made.join;
+    options.mitreLimit = made.mitreLimit;
     options.samples = kOfferedSamples;
     options.timeLimit = seconds;
     return checkOffset(in, back, options);

@@ -212,6 +212,25 @@ class CliTest(unittest.TestCase):
         self.assertEqual(wrong.returncode, 4)
         self.assertIn("FAIL", wrong.stdout)
 
+    def test_mitre_is_sharp_and_told(self) -> None:
+        out = self.out("mitre.step")
+        report = self.out("mitre.json")
+        run = phront(
+            "offset", self.part, "-o", out, "-d", "1", "--join", "mitre", "--report", report
+        )
+        self.assertEqual(run.returncode, 0, run.stderr)
+        told = json.loads(report.read_text())
+        self.assertEqual(told["join"], "mitre")
+        self.assertEqual(told["bodies"][0]["rounded_faces"], 0)
+        self.assertEqual(told["check"]["faces"], told["bodies"][0]["input_faces"])
+        against = ("check", out, "--against", self.part, "-d", "1")
+        self.assertEqual(phront(*against, "--join", "mitre").returncode, 0)
+        self.assertEqual(phront(*against).returncode, 4)
+        mesh = self.out("mitre.stl")
+        run = phront("offset", self.part, "-o", mesh, "-d", "1", "--join", "mitre")
+        self.assertEqual(run.returncode, 2, run.stderr)
+        self.assertFalse(mesh.exists())
+
     def test_thinner_than_twice_d_is_empty_and_done(self) -> None:
         out = self.out("none_left.step")
         run = phront("offset", self.part, "-o", out, "-d", "-500")

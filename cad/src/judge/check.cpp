@@ -338,9 +338,13 @@ Result<MeasureOptions> resolve(const Model& in, const CheckOptions& options) {
   if (isEmpty(in)) {
     return fail(ErrorCode::InvalidArgument, "the input of a check has no faces");
   }
+  if (!(options.mitreLimit > 1) || !std::isfinite(options.mitreLimit))
+    return fail(ErrorCode::InvalidArgument, "the mitre limit must be a number above 1");
   const double tolerance =
       kCheckStrictness * options.tolerance.value_or(kDefaultTolerance * std::abs(options.distance));
-  return MeasureOptions{options.distance, tolerance, kMaxFactor * tolerance, options.samples};
+  MeasureOptions measure{options.distance, tolerance, kMaxFactor * tolerance, options.samples};
+  if (options.join == Join::Mitre) measure.mitreLimit = options.mitreLimit;
+  return measure;
 }
 
 }  // namespace

@@ -19,6 +19,8 @@ CheckResult checkBody(const Body& body, const std::vector<Body>& result,
   CheckOptions check;
   check.distance = options.distance;
   check.tolerance = options.tolerance;
+  check.join = options.join;
+  check.mitreLimit = options.mitreLimit;
   check.samples = kOfferedSamples;
   check.timeLimit = seconds;
   check.meshPlainly = false;  // the result's file is

@@ -17,6 +17,8 @@
 #include <cmath>
 #include <utility>
 
+#include "judge/mitre_reach.h"
+
 namespace phront::cad {
 namespace {
 
@@ -35,6 +37,7 @@ constexpr int kFewestKept = 5;
 constexpr int kConfirmingSamples = 300'000;
 constexpr int kFewestConfirming = 60;
 constexpr double kLooseKeep = 1.2e-3;  // of |d|: nearer to IN than this below |d| is cut off
+constexpr double kExact = 1e-6;        // of |d|: no need to ask whether a mitre explains it
 constexpr double kFirmKeep = 0.8e-3;   // of |d|: certainly not cut off
 constexpr double kSuspicious = 0.3;    // of the maximum: below, a search point is not pursued
 constexpr double kMeshSlack = 4;       // times the measured deflection: error of triangle distances
@@ -106,10 +109,16 @@ std::vector<SurfaceSample> searchSamples(const ModelDistance& model, const Measu
                               perFace(model.faces(), kSearchFactor * kPerFace, kMostSearched), rng);
 }
 
+std::optional<MitreReach> reachOf(const ModelDistance& in, const MeasureOptions& options) {
+  if (!options.mitreLimit) return std::nullopt;
+  return MitreReach(in, options.distance, *options.mitreLimit);
+}
+
 /// What remains of the offset of IN, point by point.
 class TrueOffset {
  public:
-  TrueOffset(const ModelDistance& in, double distance) : in_(in), distance_(distance) {}
+  TrueOffset(const ModelDistance& in, const MeasureOptions& options)
+      : in_(in), distance_(options.distance), mitre_(reachOf(in, options)) {}
 
   [[nodiscard]] Vec3 of(const SurfaceSample& s) const { return s.point + distance_ * s.normal; }
 
@@ -121,9 +130,13 @@ class TrueOffset {
   [[nodiscard]] bool kept(double reach) const { return reach >= bound(kLooseKeep); }
   [[nodiscard]] bool firm(double reach) const { return reach >= bound(kFirmKeep); }
   /// How far OUT misses q. Where an edge of IN lies off its faces, q is farther than |d| from IN,
-  /// and as much off the true offset, too.
+  /// and as much off the true offset, too. Corners of a mitre may cover q.
   [[nodiscard]] double missed(const Vec3& q, double reach, const ModelDistance& out) const {
-    return std::max(0.0, out.distance(q) - std::max(0.0, reach - std::abs(distance_)));
+    const double error =
+        std::max(0.0, out.distance(q) - std::max(0.0, reach - std::abs(distance_)));
+    const bool covered = mitre_ && error > kLooseKeep * std::abs(distance_) && mitre_->holds(q) &&
+                         out.inside(q) == (distance_ > 0);
+    return covered ? 0 : error;
   }
   [[nodiscard]] bool rightSide(const Vec3& q) const {
     return !in_.hasSolids() || in_.inside(q) == (distance_ < 0);
@@ -134,6 +147,7 @@ class TrueOffset {
 
   const ModelDistance& in_;
   double distance_;
+  std::optional<MitreReach> mitre_;
 };
 
 /// Collects what coverage samples say.
@@ -190,6 +204,11 @@ double tallyFaces(const std::vector<SurfaceSample>& samples, const TrueOffset& o
   return kept;
 }
 
+/// Do edges and vertices have an offset of their own?
+bool hasRounding(const ModelDistance& in, const MeasureOptions& options) {
+  return in.hasSolids() && !options.mitreLimit;
+}
+
 /// Sampled points first; returns those worth climbing from.
 std::vector<Scored> tallySamples(const ModelDistance& in, const TrueOffset& offset,
                                  const MeasureOptions& options, CoverageTally& tally,
@@ -199,7 +218,7 @@ std::vector<Scored> tallySamples(const ModelDistance& in, const TrueOffset& offs
       tallyFaces(statisticSamples(in, options, rng), offset, tally, seeds) / in.area();
   RoundingDensity density;
   density.perArea = options.samples / in.area();
-  for (std::size_t b = 0; in.hasSolids() && b < in.bodyCount(); ++b) {
+  for (std::size_t b = 0; hasRounding(in, options) && b < in.bodyCount(); ++b) {
     for (const OffsetCandidate& c :
          roundingCandidates(in.shape(b), options.distance, density, rng)) {
       if (!offset.mayBeKept(c.point)) continue;
@@ -254,7 +273,7 @@ void searchUncovered(const ModelDistance& in, const ModelDistance& out, const Tr
   RoundingDensity denser;
   denser.perArea = 3 * options.samples / in.area();
   denser.perVertex = 200;
-  for (std::size_t b = 0; in.hasSolids() && b < in.bodyCount(); ++b) {
+  for (std::size_t b = 0; hasRounding(in, options) && b < in.bodyCount(); ++b) {
     for (const OffsetCandidate& c :
          roundingCandidates(in.shape(b), options.distance, denser, rng)) {
       if (out.meshDistance(c.point) <= floor || !offset.mayBeKept(c.point)) continue;
@@ -292,9 +311,13 @@ void searchRemains(const ModelDistance& in, const TrueOffset& offset, const Meas
 AccuracyFigures measureAccuracy(const ModelDistance& in, const ModelDistance& out,
                                 const MeasureOptions& options, SampleRng& rng) {
   const double wanted = std::abs(options.distance);
-  const auto error = [&](const SurfaceSample& s) {
-    return std::abs(in.distance(s.point) - wanted);
+  const std::optional<MitreReach> mitre = reachOf(in, options);
+  const auto errorAt = [&](const Vec3& x, double distance) {
+    const double error = std::abs(distance - wanted);
+    if (!mitre || distance - wanted <= kExact * wanted || !mitre->holds(x)) return error;
+    return std::max(0.0, distance - mitre->farthest());
   };
+  const auto error = [&](const SurfaceSample& s) { return errorAt(s.point, in.distance(s.point)); };
   AccuracyFigures figures;
   WeightedErrors errors;
   std::vector<Scored> seeds;
@@ -328,7 +351,7 @@ AccuracyFigures measureAccuracy(const ModelDistance& in, const ModelDistance& ou
   const double floor = kSuspicious * options.maxTolerance;
   std::vector<Scored> suspects;
   for (const SurfaceSample& s : searchSamples(out, options, rng)) {
-    const double meshError = std::abs(in.meshDistance(s.point) - wanted);
+    const double meshError = errorAt(s.point, in.meshDistance(s.point));
     if (meshError > floor) suspects.push_back({s, meshError});
   }
   sortByScore(suspects);
@@ -343,7 +366,7 @@ AccuracyFigures measureAccuracy(const ModelDistance& in, const ModelDistance& ou
 
 CoverageFigures measureCoverage(const ModelDistance& in, const ModelDistance* out,
                                 const MeasureOptions& options, SampleRng& rng) {
-  const TrueOffset offset(in, options.distance);
+  const TrueOffset offset(in, options);
   CoverageTally tally(out, options);
   std::vector<Scored> seeds = tallySamples(in, offset, options, tally, rng);
   if (tally.figures.kept == 0) {

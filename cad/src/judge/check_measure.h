@@ -1,6 +1,8 @@
 // The figures of the check: accuracy, side and coverage of one result against one input.
 #pragma once
 
+#include <optional>
+
 #include "judge/check_sampling.h"
 
 namespace phront::cad {
@@ -10,6 +12,9 @@ struct MeasureOptions {
   double tolerance = 0;     ///< mm, what shares are counted above
   double maxTolerance = 0;  ///< mm, what single points are held to: guides the search for outliers
   int samples = 20'000;
+  /// Mitre join: near edges that the offset goes round its points may be up to so many |d| from the
+  /// part, and edges and vertices have no offset of their own.
+  std::optional<double> mitreLimit = std::nullopt;
   bool search = true;  ///< for single points far off; false: the samples' maximum is enough
 };
 

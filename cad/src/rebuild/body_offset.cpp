@@ -1,5 +1,8 @@
 #include "rebuild/body_offset.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -15,6 +18,7 @@
 #include "rebuild/attempt_runner.h"
 #include "rebuild/facet_stage.h"
 #include "rebuild/front_stage.h"
+#include "rebuild/mitre_join.h"
 #include "rebuild/sheet_stage.h"
 #include "tessellate/body_distance.h"
 #include "tessellate/true_distance.h"
@@ -43,6 +47,7 @@ constexpr double kLateFrontShare = 0.5;
 // Bounds of the seconds for one measurement of the result.
 constexpr double kLeastSeconds = 3;
 constexpr double kCheckSeconds = 40;
+constexpr double kLeastMitreSeconds = 10;
 // Nodes up to which the front is refined for thin features: for facets; and where it decides that
 // nothing is left.
 constexpr std::int64_t kFacetNodes = 150'000;
@@ -107,7 +112,8 @@ class BodyOffsetter {
  public:
   BodyOffsetter(const Body& body, const OffsetOptions& options, const Progress& progress)
       : body_(body),
-        options_(options),
+        wanted_(options),
+        options_(withArcs(options)),
         progress_(progress),
         deadline_(options.timeLimit),
         clock_(result_.times) {
@@ -136,7 +142,13 @@ class BodyOffsetter {
       }
     }
     std::optional<JudgedAttempt> rejected;
-    if (tryExact(healed, *phi, facetsMayFollow, rejected)) return finish();
+    if (tryExact(healed, *phi, facetsMayFollow, rejected)) {
+      if (wanted_.join == Join::Mitre && body_.kind == BodyKind::Solid) {
+        if (!progress_.part(0.8, 1, "mitre").report(0)) return cancelled();
+        makeMitre(*phi);
+      }
+      return finish();
+    }
     if (facetsMayFollow) {
       if (options_.distance > 0) {
         if (Result<void> made = findFront(*phi, 0.8, 0.9); !made)
@@ -221,6 +233,36 @@ class BodyOffsetter {
     if (kind == OffsetKind::Exact && attempt.facetedFaces > 0) report().kind = OffsetKind::Faceted;
   }
 
+  /// Corners become sharp where that passes the check; else they stay round.
+  void makeMitre(const TrueDistance& phi) {
+    const Deadline deadline(std::max(deadline_.left(), kLeastMitreSeconds));
+    const MitreRequest request{options_.distance, *options_.tolerance, wanted_.mitreLimit};
+    std::vector<Body> sharp = result_.bodies;
+    int sharpened = 0;
+    int rounded = 0;
+    for (Body& body : sharp) {
+      const MitreJoin join = mitreJoin(occtShape(body.shape), request, phi, deadline);
+      body.shape = makeShape(join.solid);
+      sharpened += join.sharpened;
+      rounded += join.rounded;
+    }
+    clock_.lap("mitre");
+    report().roundedFaces = sharpened + rounded;
+    if (sharpened == 0) return;
+    CheckResult check = checkBody(body_, sharp, wanted_, kCheckSeconds);
+    clock_.lap("check");
+    if (!check.pass()) {
+      report().attempts.push_back("mitre: rejected: " + check.reasons.front());
+      return;
+    }
+    report().attempts.push_back(fmt::format(
+        "mitre: accepted; {} faces round edges and corners removed, {} stay", sharpened, rounded));
+    result_.bodies = std::move(sharp);
+    report().roundedFaces = rounded;
+    report().check = std::move(check);
+    report().exactFaces = report().check.faces - report().fittedFaces - report().facetedFaces;
+  }
+
   void useFacets(const TrueDistance& phi) {
     FacetAttempt facets = facetBody(body_, options_, phi, front_ ? &*front_ : nullptr, deadline_);
     report().setting = "facets of the iso-surface";
@@ -247,8 +289,15 @@ class BodyOffsetter {
     return {};
   }
 
+  static OffsetOptions withArcs(OffsetOptions options) {
+    options.join = Join::Arc;
+    return options;
+  }
+
   const Body& body_;
-  const OffsetOptions& options_;
+  const OffsetOptions& wanted_;
+  const OffsetOptions
+      options_;  ///< with arcs: what is made first, and offered where all else fails
   const Progress& progress_;
   const Deadline deadline_;
   BodyOffset result_;

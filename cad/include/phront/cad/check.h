@@ -16,8 +16,18 @@ namespace phront::cad {
 /// on the wrong side), so that other random samples do not come to another verdict.
 inline constexpr double kCheckStrictness = 0.8;
 
+/// What an offset does round edges and corners where it would gape. Arc: rounded, every point at
+/// the distance |d|. Mitre: the faces beside them are extended until they meet.
+enum class Join { Arc, Mitre };
+
+/// Of a mitre: how far its corners may be from the part, in |d|. Sharper ones stay round. 2 is an
+/// edge of 60 degrees, sqrt(2) that of a box and sqrt(3) its corner.
+inline constexpr double kMitreLimit = 2;
+
 struct CheckOptions {
   double distance = 0;  ///< d, mm, signed
+  Join join = Join::Arc;
+  double mitreLimit = kMitreLimit;  ///< > 1
   std::optional<double> tolerance =
       std::nullopt;       ///< mm, bound on 99th percentiles; default 1 % of |d|
   int samples = 20'000;   ///< over the whole surface, and at least 20 on each face
@@ -57,10 +67,11 @@ struct CheckResult {
 /// of the true offset deviate by at most `tolerance`, no point by more than 10 times that, no edge
 /// or vertex bridges a gap wider than those 10 times, and 99.9 % of the area is on the right side
 /// and 99.8 % not inside OUT itself; all of it times kCheckStrictness. Single points are searched
-/// for, not only sampled. Rounded convex edges ("arc" join) are what is right. The same input gives
-/// the same figures. Sheets are judged one-sided: no sidedness, no closedness. Guarded: never
-/// crashes or hangs. Fails with InvalidArgument (d = 0 or NaN), Failed (IN cannot be tessellated),
-/// ResourceLimit.
+/// for, not only sampled. With an arc join rounded edges are what is right; with a mitre points may
+/// be up to `mitreLimit` |d| from the part within that distance of an edge that the offset goes
+/// round, and no offset is asked of edges and vertices. The same input gives the same figures.
+/// Sheets are judged one-sided: no sidedness, no closedness. Guarded: never crashes or hangs. Fails
+/// with InvalidArgument (d = 0 or NaN), Failed (IN cannot be tessellated), ResourceLimit.
 [[nodiscard]] Result<CheckResult> checkOffset(const Model& in, const Model& out,
                                               const CheckOptions& options,
                                               const Progress& progress = {});

@@ -17,7 +17,9 @@ struct OffsetOptions {
   double distance = 0;  ///< d, mm, signed: positive grows the solid, negative shrinks it
   /// mm, bound on the deviation; default 1 % of |d|
   std::optional<double> tolerance = std::nullopt;
-  int threads = 0;  ///< 0: all cores
+  Join join = Join::Arc;            ///< of solids; sheets and facets are always rounded
+  double mitreLimit = kMitreLimit;  ///< > 1
+  int threads = 0;                  ///< 0: all cores
   /// s, > 0: all bodies and their checks together, shared out among attempts, facets and checks.
   /// Writing and reading back come on top. What is not done by then is given up, with a sentence.
   double timeLimit = 75;
@@ -31,12 +33,13 @@ struct BodyReport {
   std::string name;
   OffsetKind kind = OffsetKind::Failed;
   int inputFaces = 0;
-  int exactFaces = 0;                 ///< result faces on exact offset surfaces
-  int fittedFaces = 0;                ///< result faces fitted: in gaps, or freeform ones of sheets
-  int facetedFaces = 0;               ///< planar facets that stand in for curved offset surfaces
-  int solids = 0;                     ///< result solids
-  std::string setting;                ///< which attempt the judge accepted
-  double reach = 1;  ///< share of the distance it was made at: less where parts just touch
+  int exactFaces = 0;    ///< result faces on exact offset surfaces
+  int fittedFaces = 0;   ///< result faces fitted: in gaps, or freeform ones of sheets
+  int facetedFaces = 0;  ///< planar facets that stand in for curved offset surfaces
+  int roundedFaces = 0;  ///< mitre join: faces round edges and corners that stay
+  int solids = 0;        ///< result solids
+  std::string setting;   ///< which attempt the judge accepted
+  double reach = 1;      ///< share of the distance it was made at: less where parts just touch
   std::vector<std::string> attempts;  ///< one line each: setting, outcome, seconds
   CheckResult check;
 };
