@@ -18,6 +18,7 @@
 #include <BOPDS_Tools.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
+#include <Bnd_Box.hxx>
 #include <Geom2d_Curve.hxx>
 #include <ShapeFix_Edge.hxx>
 #include <TColStd_MapOfInteger.hxx>
@@ -29,13 +30,18 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Iterator.hxx>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <utility>
 
 #include "rebuild/contact_cells.h"
+#include "rebuild/section_curves.h"
 
 namespace phront::cad {
 namespace {
+
+// Of the size of all: intersection curves are good to a tenth of it.
+constexpr double kDoubtful = 1e-6;
 
 /// Answers for edges by the faces that use them.
 class PairFilter {
@@ -160,6 +166,10 @@ class ThinnedFiller : public BOPAlgo_PaveFiller {
     myDS->UpdateFaceInfoOn(faces);
     myDS->UpdateFaceInfoIn(faces);
     BOPAlgo_PaveFiller::PerformFF(range);
+    Bnd_Box all;
+    for (int i = 0; i < myDS->NbSourceShapes(); ++i) all.Add(myDS->ShapeInfo(i).Box());
+    if (!all.IsVoid() && !all.IsOpen())
+      settleSectionCurves(*myDS, myContext, kDoubtful * std::sqrt(all.SquareExtent()));
   }
 
  private:
