@@ -95,6 +95,21 @@ TEST(Mitre, CornersBeyondTheLimitStayRound) {
   EXPECT_NEAR(far.report.check.volume, sharpWedgeVolume(angle, 1), 1e-6 * far.report.check.volume);
 }
 
+TEST(Mitre, SheetsStayRoundAndSaySo) {
+  Model model;
+  Body sheet = test::solidBody(TopExp_Explorer(test::box(10, 10, 10), TopAbs_FACE).Current());
+  sheet.kind = BodyKind::Sheet;
+  model.bodies.push_back(sheet);
+  OffsetOptions options;
+  options.distance = 1;
+  options.join = Join::Mitre;
+  const auto made = offsetModel(model, options);
+  ASSERT_TRUE(made) << made.error().message;
+  EXPECT_TRUE(made->accepted());
+  EXPECT_EQ(made->report.bodies[0].roundedFaces, 1);
+  EXPECT_FALSE(made->report.warnings.empty());
+}
+
 TEST(Mitre, CheckKnowsTheJoin) {
   const Model part = modelOf(test::box(10, 10, 10));
   const TopoDS_Shape sharp = boxFrom(-1, 11, 11, 11);

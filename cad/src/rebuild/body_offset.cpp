@@ -11,6 +11,7 @@
 #include "exchange/shape_bytes.h"
 #include "heal/heal.h"
 #include "judge/check_body.h"
+#include "judge/exchange_fault.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 #include "phront/cad/tessellate.h"
@@ -179,6 +180,8 @@ class BodyOffsetter {
 
   Result<BodyOffset> finish() {
     report().solids = report().check.solids;
+    if (wanted_.join == Join::Mitre && !mitreTried_ && !result_.bodies.empty())
+      report().roundedFaces = report().check.faces;  // facets and sheets
     return std::move(result_);
   }
 
@@ -235,6 +238,7 @@ class BodyOffsetter {
 
   /// Corners become sharp where that passes the check; else they stay round.
   void makeMitre(const TrueDistance& phi) {
+    mitreTried_ = true;
     const Deadline deadline(std::max(deadline_.left(), kLeastMitreSeconds));
     const MitreRequest request{options_.distance, *options_.tolerance, wanted_.mitreLimit};
     std::vector<Body> sharp = result_.bodies;
@@ -250,6 +254,13 @@ class BodyOffsetter {
     report().roundedFaces = sharpened + rounded;
     if (sharpened == 0) return;
     CheckResult check = checkBody(body_, sharp, wanted_, kCheckSeconds);
+    if (check.pass()) {
+      Model out;
+      out.bodies = sharp;
+      const double diagonal = phi.surface().box().diagonal().norm();
+      std::string fault = exchangeFault(out, usualMeshSize({diagonal, options_.distance, true}));
+      if (!fault.empty()) check.reasons.push_back(std::move(fault));
+    }
     clock_.lap("check");
     if (!check.pass()) {
       report().attempts.push_back("mitre: rejected: " + check.reasons.front());
@@ -304,6 +315,7 @@ class BodyOffsetter {
   StageClock clock_;
   std::optional<IsoSurface> front_;
   bool frontIsEmpty_ = false;  ///< though something is left
+  bool mitreTried_ = false;
 };
 
 }  // namespace

@@ -1,8 +1,9 @@
 // OpenCASCADE's Defeaturing removes faces and extends their neighbours, as for fillets that are to
 // go; round an edge of the part the neighbours are the two offset faces, so that what it gives is
 // their mitre. It fails on some groups, and fills holes or swallows walls on others without a word:
-// phi tells, since on a mitre every point is at |d| from faces and not much farther from edges. All
-// groups are tried at once, which is mostly right and fast, else by halves.
+// phi and the volume tell, since a mitre fills up no more than what lies between the arcs and their
+// corners, and no point of it is nearer than |d| or farther than the limit. All groups are tried at
+// once, which is mostly right and fast, else by halves; a single one that fails by cells.
 #include "rebuild/mitre_join.h"
 
 #include <BRepAdaptor_Curve.hxx>
@@ -18,7 +19,6 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numeric>
 #include <set>
 #include <string>
 #include <vector>

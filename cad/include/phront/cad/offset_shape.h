@@ -17,7 +17,7 @@ struct OffsetOptions {
   double distance = 0;  ///< d, mm, signed: positive grows the solid, negative shrinks it
   /// mm, bound on the deviation; default 1 % of |d|
   std::optional<double> tolerance = std::nullopt;
-  Join join = Join::Arc;            ///< of solids; sheets and facets are always rounded
+  Join join = Join::Arc;            ///< mitre: of exact solids; sheets and facets stay round
   double mitreLimit = kMitreLimit;  ///< > 1
   int threads = 0;                  ///< 0: all cores
   /// s, > 0: all bodies and their checks together, shared out among attempts, facets and checks.
@@ -36,7 +36,7 @@ struct BodyReport {
   int exactFaces = 0;    ///< result faces on exact offset surfaces
   int fittedFaces = 0;   ///< result faces fitted: in gaps, or freeform ones of sheets
   int facetedFaces = 0;  ///< planar facets that stand in for curved offset surfaces
-  int roundedFaces = 0;  ///< mitre join: faces round edges and corners that stay
+  int roundedFaces = 0;  ///< mitre join: faces left round, all of them on facets and sheets
   int solids = 0;        ///< result solids
   std::string setting;   ///< which attempt the judge accepted
   double reach = 1;      ///< share of the distance it was made at: less where parts just touch
