@@ -1,3 +1,6 @@
+// A mitre's points are on extended offset faces, but extensions of freeform faces have no measure
+// of their own; so near the edges a range of distances is allowed instead. Weak spot: what is wrong
+// there by less than the limit passes; making mitres therefore bounds their volume, too.
 #include "judge/mitre_reach.h"
 
 #include <algorithm>

@@ -307,8 +307,7 @@ class BodyOffsetter {
 
   const Body& body_;
   const OffsetOptions& wanted_;
-  const OffsetOptions
-      options_;  ///< with arcs: what is made first, and offered where all else fails
+  const OffsetOptions options_;  ///< with arcs: made first, and offered where no mitre passes
   const Progress& progress_;
   const Deadline deadline_;
   BodyOffset result_;
