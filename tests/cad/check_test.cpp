@@ -3,12 +3,16 @@
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakePolygon.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakePrism.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRepPrimAPI_MakeTorus.hxx>
 #include <BRep_Builder.hxx>
+#include <BRep_Tool.hxx>
+#include <Geom_Curve.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
@@ -90,6 +94,14 @@ TopoDS_Shape together(const TopoDS_Shape& a, const TopoDS_Shape& b) {
   builder.Add(compound, a);
   builder.Add(compound, b);
   return compound;
+}
+
+/// A wedge of half a degree along z, its edge `depth` below (x, y).
+TopoDS_Shape groove(double x, double y, double depth, double height) {
+  const double half = depth * std::tan(pi / 720);
+  BRepBuilderAPI_MakePolygon outline(gp_Pnt(x - half, y, 0), gp_Pnt(x, y - depth, 0),
+                                     gp_Pnt(x + half, y, 0), true);
+  return BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(outline.Wire()), gp_Vec(0, 0, height));
 }
 
 TopoDS_Shape plane(double size, double z) {
@@ -178,6 +190,13 @@ TEST(Check, MeasuresASphereOfSlightlyWrongRadius) {
   EXPECT_NEAR(r.coverageP99, 0.01, 1e-7);
 }
 
+// The offset of a wall's foot lies in the material behind the other wall, 1 from both.
+TEST(Check, PassesANarrowGrooveThatFillsUp) {
+  const TopoDS_Shape block = BRepAlgoAPI_Cut(box(40, 20, 10), groove(20, 20, 5, 10)).Shape();
+  const CheckResult result = check(block, rounded(box(40, 20, 10, 1), 1), 1);
+  EXPECT_TRUE(result.pass()) << reasonsOf(result);
+}
+
 TEST(Check, PassesTwoBodiesThatMerge) {
   const Model in = modelOf({sphere(10), sphere(10, 23)});
   const Model out = modelOf({BRepAlgoAPI_Fuse(sphere(12), sphere(12, 23)).Shape()});
@@ -223,14 +242,15 @@ TEST(Check, FailsWrongDistance) {
   EXPECT_TRUE(says(check(sphere(10), sphere(11.96), 2), "inaccurate"));
 }
 
-// A vertex with a large tolerance closes a hole that the samples on the faces cannot see.
+// A large tolerance closes a hole that the samples on the faces cannot see.
 TEST(Check, FailsWhatMeetsOnlyWithinALargeTolerance) {
-  for (const double tolerance : {0.1, 1.0}) {
+  for (const double gap : {0.1, 1.0}) {
     const TopoDS_Shape out = box(100, 60, 40, -2);
-    BRep_Builder().UpdateVertex(TopoDS::Vertex(TopExp_Explorer(out, TopAbs_VERTEX).Current()),
-                                tolerance);
+    const TopoDS_Vertex corner = TopoDS::Vertex(TopExp_Explorer(out, TopAbs_VERTEX).Current());
+    const gp_Pnt moved = BRep_Tool::Pnt(corner).Translated(gp_Vec(0.6 * gap, 0, -0.8 * gap));
+    BRep_Builder().UpdateVertex(corner, moved, 1.01 * gap);
     const CheckResult result = check(box(100, 60, 40), out, -2);
-    EXPECT_EQ(result.pass(), tolerance < 0.16) << reasonsOf(result);
+    EXPECT_EQ(result.pass(), gap < 0.16) << reasonsOf(result);
   }
 }
 
@@ -372,6 +392,20 @@ TEST(CheckTopology, CountsABoxAndItsVolume) {
   EXPECT_TRUE(t.closed());
   EXPECT_EQ(t.badSolids, 0);
   EXPECT_NEAR(t.volume, 24, 1e-9);  // planar faces integrate exactly
+}
+
+TEST(CheckTopology, MeasuresGapsNotTolerances) {
+  const TopoDS_Shape solid = box(2, 3, 4);
+  const TopoDS_Edge edge = TopoDS::Edge(TopExp_Explorer(solid, TopAbs_EDGE).Current());
+  BRep_Builder().UpdateEdge(edge, 0.5);
+  BRep_Builder().UpdateVertex(TopExp::FirstVertex(edge), 0.5);
+  EXPECT_LT(measureTopology(solid).widestGap, 1e-12);
+  double first = 0;
+  double last = 0;
+  const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, first, last);
+  BRep_Builder().UpdateEdge(edge, Handle(Geom_Curve)::DownCast(curve->Translated({0, 0.3, 0.4})),
+                            0.5);
+  EXPECT_NEAR(measureTopology(solid).widestGap, 0.5, 1e-12);
 }
 
 TEST(CheckTopology, NoticesOneReversedSolidAmongTwo) {

@@ -134,8 +134,10 @@ class TrueOffset {
   [[nodiscard]] double missed(const Vec3& q, double reach, const ModelDistance& out) const {
     const double error =
         std::max(0.0, out.distance(q) - std::max(0.0, reach - std::abs(distance_)));
-    const bool covered = mitre_ && error > kLooseKeep * std::abs(distance_) && mitre_->holds(q) &&
-                         out.inside(q) == (distance_ > 0);
+    if (error <= kLooseKeep * std::abs(distance_)) return error;
+    // In a narrow groove q may lie behind the other wall, as far from it as from its own.
+    if (!rightSide(q)) return 0;
+    const bool covered = mitre_ && mitre_->holds(q) && out.inside(q) == (distance_ > 0);
     return covered ? 0 : error;
   }
   [[nodiscard]] bool rightSide(const Vec3& q) const {

@@ -6,7 +6,6 @@
 // bounding box is therefore taken as no volume at all.
 #include "judge/check_topology.h"
 
-#include <BRepAdaptor_Curve.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
@@ -21,7 +20,6 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
-#include <TopoDS_Face.hxx>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -29,6 +27,7 @@
 #include <vector>
 
 #include "exchange/guard.h"
+#include "judge/widest_gap.h"
 #include "tessellate/occt_mesh.h"
 
 namespace phront::cad {
@@ -74,30 +73,6 @@ void countEdgeUses(const TopoDS_Shape& part, TopologyFigures& figures) {
   }
 }
 
-/// A tolerance can close any hole: valid and closed say nothing where it is large.
-void findWidestGap(const TopoDS_Shape& shape, TopologyFigures& figures) {
-  const auto note = [&](double tolerance, const gp_Pnt& p) {
-    if (tolerance <= figures.widestGap) return;
-    figures.widestGap = tolerance;
-    figures.atGap = Vec3(p.X(), p.Y(), p.Z());
-  };
-  TopTools_IndexedMapOfShape map;
-  TopExp::MapShapes(shape, TopAbs_VERTEX, map);
-  for (int k = 1; k <= map.Extent(); ++k) {
-    const TopoDS_Vertex& vertex = TopoDS::Vertex(map(k));
-    note(BRep_Tool::Tolerance(vertex), BRep_Tool::Pnt(vertex));
-  }
-  map.Clear();
-  TopExp::MapShapes(shape, TopAbs_EDGE, map);
-  for (int k = 1; k <= map.Extent(); ++k) {
-    const TopoDS_Edge& edge = TopoDS::Edge(map(k));
-    if (BRep_Tool::Degenerated(edge) || !BRep_Tool::IsGeometric(edge)) continue;
-    const BRepAdaptor_Curve curve(edge);
-    note(BRep_Tool::Tolerance(edge),
-         curve.Value((curve.FirstParameter() + curve.LastParameter()) / 2));
-  }
-}
-
 bool plausibleVolume(const TopoDS_Shape& solid, double volume) {
   if (!std::isfinite(volume) || volume <= 0) return false;
   Bnd_Box box;
@@ -125,7 +100,9 @@ TopologyFigures measureTopology(const TopoDS_Shape& shape) {
   figures.solids = countOf(shape, TopAbs_SOLID);
   figures.faces = countOf(shape, TopAbs_FACE);
   figures.valid = BRepCheck_Analyzer(shape, Standard_True).IsValid();
-  findWidestGap(shape, figures);
+  const WidestGap gap = widestGap(shape);
+  figures.widestGap = gap.width;
+  figures.atGap = gap.at;
 
   TopTools_IndexedMapOfShape shells;
   TopExp::MapShapes(shape, TopAbs_SHELL, shells);

@@ -18,7 +18,7 @@ struct TopologyFigures {
   double volume = 0;      ///< mm^3, sum over the solids
   int untessellated = 0;  ///< faces that OpenCASCADE's mesher gives no triangles for
   int badSolids = 0;      ///< solids whose volume is not positive or larger than their box
-  double widestGap = 0;   ///< mm, largest tolerance of a vertex or edge: what meets only so far
+  double widestGap = 0;   ///< mm, between faces where an edge or vertex joins them
   Vec3 atGap = Vec3::Zero();
 
   /// Every edge used exactly twice in its shell, no face outside a shell.
