@@ -12,6 +12,7 @@
 #include "judge/check_body.h"
 #include "judge/check_shell.h"
 #include "judge/check_thick.h"
+#include "phront/cad/move_faces.h"
 #include "shell/shell_body.h"
 #include "shell/thicken_body.h"
 #include "write_checked.h"
@@ -40,6 +41,45 @@ std::vector<int> openFacesOf(const ShellOptions& options, std::size_t body) {
   return faces;
 }
 
+/// The part with faces moved by what their walls on one side are thicker than the others'.
+/// `share`: of all walls on that side; `outwards`: the side.
+Result<MovedModel> baseModel(const Model& model, const ShellOptions& options, double share,
+                             bool outwards) {
+  std::vector<FaceMove> moves;
+  for (const FaceThickness& own : options.thicknessOf) {
+    const double more = share * (own.thickness - options.thickness);
+    moves.push_back({own.face, outwards ? more : -more});
+  }
+  return moveFaces(model, moves);
+}
+
+/// What the walls of every body are measured from.
+Result<std::vector<WallBases>> wallBasesOf(const Model& model, const ShellOptions& options) {
+  std::vector<WallBases> all(model.bodies.size());
+  if (options.thicknessOf.empty()) return all;
+  const ShellWalls walls = wallsOf(options);
+  for (const bool outwards : {false, true}) {
+    const double wall = outwards ? walls.outer : walls.inner;
+    if (wall == 0) continue;
+    Result<MovedModel> moved = baseModel(model, options, wall / options.thickness, outwards);
+    if (!moved) return tl::unexpected(moved.error());
+    for (std::size_t b = 0; b < all.size(); ++b) {
+      const std::vector<int> open = openFacesOf(options, b);
+      WallBase base{std::move(moved->model.bodies[b]), {}};
+      const std::vector<int>& origins = moved->origins[b];
+      for (std::size_t f = 0; f < origins.size(); ++f)
+        if (std::find(open.begin(), open.end(), origins[f]) != open.end())
+          base.open.push_back(static_cast<int>(f));
+      (outwards ? all[b].outer : all[b].inner) = std::move(base);
+    }
+  }
+  for (const FaceThickness& own : options.thicknessOf) {
+    double& thickest = all[own.face.body].thickest;
+    thickest = std::max(thickest, own.thickness);
+  }
+  return all;
+}
+
 std::string nameOf(const Model& model, std::size_t body) {
   const std::string& name = model.bodies[body].name;
   return name.empty() ? fmt::format("body {}", body + 1) : fmt::format("body '{}'", name);
@@ -66,6 +106,13 @@ Result<void> checkRequest(const Model& model, const ShellOptions& options) {
                   nameOf(model, id.body) +
                       " is a sheet, which becomes a solid of the given thickness: it has no face "
                       "to leave open; only faces of solids can be");
+  }
+  for (const FaceThickness& own : options.thicknessOf) {
+    if (!(own.thickness > 0) || !std::isfinite(own.thickness))
+      return fail(ErrorCode::InvalidArgument, "the thickness of a face must be a positive length");
+    if (std::find(options.open.begin(), options.open.end(), own.face) != options.open.end())
+      return fail(ErrorCode::InvalidArgument,
+                  "a face is left open and given a thickness: one of both");
   }
   return {};
 }
@@ -124,6 +171,8 @@ Result<ShellResult> shellModel(const Model& model, const ShellOptions& requested
   report.warnings = model.warnings;
   report.check = emptyCheck();
   const Deadline deadline(requested.timeLimit);
+  const Result<std::vector<WallBases>> bases = wallBasesOf(model, requested);
+  if (!bases) return tl::unexpected(bases.error());
   const std::size_t count = model.bodies.size();
   int firstNumber = 1;
   for (std::size_t b = 0; b < count; ++b) {
@@ -132,6 +181,7 @@ Result<ShellResult> shellModel(const Model& model, const ShellOptions& requested
     request.firstNumber = firstNumber;
     firstNumber += faceCount(model.bodies[b].shape);
     request.walls = wallsOf(requested);
+    request.bases = (*bases)[b];
     request.tolerance = *report.options.tolerance;
     request.threads = requested.threads;
     request.timeLimit = deadline.left() / static_cast<double>(count - b);
@@ -159,10 +209,13 @@ Result<CheckResult> checkShell(const Model& in, const Model& out, const ShellOpt
   std::vector<std::vector<Body>> shells(in.bodies.size());
   for (const Body& body : out.bodies) shells[mostAlike(in, body)].push_back(body);
   const Deadline deadline(options.timeLimit);
+  const Result<std::vector<WallBases>> bases = wallBasesOf(in, options);
+  if (!bases) return tl::unexpected(bases.error());
   CheckResult whole = emptyCheck();
   for (std::size_t b = 0; b < in.bodies.size(); ++b) {
     ShellCheckOptions check;
     check.walls = wallsOf(options);
+    check.bases = (*bases)[b];
     check.tolerance = options.tolerance.value_or(kToleranceOfThickness * options.thickness);
     check.samples = samples;
     check.timeLimit = std::max(1.0, deadline.left() / static_cast<double>(in.bodies.size() - b));

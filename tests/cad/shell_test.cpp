@@ -113,6 +113,65 @@ TEST(Shell, CylinderOpenAtTheTop) {
   EXPECT_NEAR(volumeOf(shell), pi * (100 * 20 - 81 * 19), 1e-6);
 }
 
+FaceThickness thicknessOf(const Model& model, const std::string& term, double thickness) {
+  return {selectFaces(model, term).value().front(), thickness};
+}
+
+TEST(Shell, FacesWithAThicknessOfTheirOwnInwards) {
+  const Model model = modelOf(block());
+  ShellOptions options = optionsFor(model, 1, "normal:+z");
+  options.thicknessOf = {thicknessOf(model, "normal:-z", 3), thicknessOf(model, "normal:+x", 0.5)};
+  const ShellResult shell = shellOf(model, options);
+  EXPECT_NEAR(volumeOf(shell), 6000 - 18.5 * 28 * 7, 1e-6);
+  EXPECT_EQ(shell.report.check.faces, 11);
+}
+
+TEST(Shell, AThickBottomOutwards) {
+  const Model model = modelOf(block());
+  ShellOptions options = optionsFor(model, 1, "normal:+z", ShellSide::Out);
+  options.thicknessOf = {thicknessOf(model, "normal:-z", 3)};
+  EXPECT_NEAR(volumeOf(shellOf(model, options)), 1800 + 1200 + 12 * pi + 25 * pi + 2 * pi / 3,
+              1e-6);
+}
+
+TEST(Shell, AThickBottomHalfOnEitherSide) {
+  const Model model = modelOf(block());
+  ShellOptions options = optionsFor(model, 2, "normal:+z", ShellSide::Both);
+  options.thicknessOf = {thicknessOf(model, "normal:-z", 4)};
+  const double grown = 6600 + 1100 + 600 + 11 * pi + 25 * pi + 2 * pi / 3;
+  EXPECT_NEAR(volumeOf(shellOf(model, options)), grown - 18 * 28 * 8, 1e-6);
+}
+
+TEST(Shell, AThickWallOfACylinderFarBeyondTheOthers) {
+  const Model model = modelOf(BRepPrimAPI_MakeCylinder(10, 20).Solid());
+  ShellOptions options = optionsFor(model, 1, "normal:+z");
+  options.thicknessOf = {{FaceId{0, 0}, 4}};
+  EXPECT_NEAR(volumeOf(shellOf(model, options)), 2000 * pi - 36 * pi * 19, 1e-6);
+}
+
+TEST(Shell, TheCheckKnowsWhoseThicknessIsWhose) {
+  const Model model = modelOf(block());
+  const ShellOptions alike = optionsFor(model, 1, "normal:+z");
+  ShellOptions own = alike;
+  own.thicknessOf = {thicknessOf(model, "normal:-z", 1.2)};
+  const ShellResult plain = shellOf(model, alike);
+  const ShellResult thick = shellOf(model, own);
+  EXPECT_FALSE(checkShell(model, plain.model, own).value().pass());
+  EXPECT_FALSE(checkShell(model, thick.model, alike).value().pass());
+  EXPECT_TRUE(checkShell(model, thick.model, own).value().pass());
+}
+
+TEST(Shell, RefusesSenselessThicknessesOfFaces) {
+  const Model model = modelOf(block());
+  ShellOptions options = optionsFor(model, 1, "normal:+z");
+  options.thicknessOf = {thicknessOf(model, "normal:-z", 0)};
+  EXPECT_EQ(shellModel(model, options).error().code, ErrorCode::InvalidArgument);
+  options.thicknessOf = {thicknessOf(model, "normal:+z", 2)};
+  EXPECT_EQ(shellModel(model, options).error().code, ErrorCode::InvalidArgument);
+  options.thicknessOf = {thicknessOf(model, "normal:-z", 12)};
+  EXPECT_EQ(shellModel(model, options).error().code, ErrorCode::NotSupported);
+}
+
 TEST(Shell, WallThatRisesFromTheOpeningEndsInABead) {
   const Model model = modelOf(plateWithBoss());
   const auto top = selectFaces(model, "normal:+z");

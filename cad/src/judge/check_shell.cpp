@@ -38,11 +38,20 @@ struct OpenPlane {
   [[nodiscard]] double height(const Vec3& x) const { return (x - point).dot(normal); }
 };
 
-/// The body taken apart: all of it, its closed faces, its openings.
-struct Parts {
-  ModelDistance solid;
+/// A body and its closed faces.
+struct Solid {
+  ModelDistance all;
   ModelDistance closed;
+};
+
+/// The body taken apart, and what its walls' far sides are measured from.
+struct Parts {
+  Solid in;
+  std::optional<Solid> innerBase;
+  std::optional<Solid> outerBase;
   std::deque<OpenPlane> openings;  ///< a deque never moves what it holds
+  [[nodiscard]] const Solid& inner() const { return innerBase ? *innerBase : in; }
+  [[nodiscard]] const Solid& outer() const { return outerBase ? *outerBase : in; }
 };
 
 Body sheetOf(const FaceSet& faces) {
@@ -52,21 +61,42 @@ Body sheetOf(const FaceSet& faces) {
   return sheet;
 }
 
-Result<Parts> takeApart(const Body& in, const std::vector<int>& open,
-                        const TessellateOptions& mesh) {
+Result<Solid> solidOf(const Body& body, const std::vector<int>& open, const TessellateOptions& mesh,
+                      const std::string& what) {
   TopTools_IndexedMapOfShape map;
-  TopExp::MapShapes(occtShape(in.shape), TopAbs_FACE, map);
+  TopExp::MapShapes(occtShape(body.shape), TopAbs_FACE, map);
   const std::set<int> opened(open.begin(), open.end());
   FaceSet closed;
   for (int f = 0; f < map.Extent(); ++f)
     if (opened.count(f) == 0) closed.push_back(TopoDS::Face(map(f + 1)));
   if (closed.empty()) return fail(ErrorCode::InvalidArgument, "no face is left to be a wall");
-  auto solid = ModelDistance::build({in}, mesh, "the input");
-  if (!solid) return tl::unexpected(solid.error());
-  auto walls = ModelDistance::build({sheetOf(closed)}, mesh, "the walls of the input");
+  auto all = ModelDistance::build({body}, mesh, what);
+  if (!all) return tl::unexpected(all.error());
+  auto walls = ModelDistance::build({sheetOf(closed)}, mesh, "the walls of " + what);
   if (!walls) return tl::unexpected(walls.error());
-  Parts parts{std::move(*solid), std::move(*walls), {}};
-  for (const int f : opened) {
+  return Solid{std::move(*all), std::move(*walls)};
+}
+
+Result<std::optional<Solid>> baseOf(const std::optional<WallBase>& base,
+                                    const TessellateOptions& mesh) {
+  if (!base) return std::optional<Solid>();
+  Result<Solid> solid = solidOf(base->body, base->open, mesh, "the input with faces moved");
+  if (!solid) return tl::unexpected(solid.error());
+  return std::optional<Solid>(std::move(*solid));
+}
+
+Result<Parts> takeApart(const Body& in, const std::vector<int>& open, const WallBases& bases,
+                        const TessellateOptions& mesh) {
+  auto solid = solidOf(in, open, mesh, "the input");
+  if (!solid) return tl::unexpected(solid.error());
+  auto inner = baseOf(bases.inner, mesh);
+  if (!inner) return tl::unexpected(inner.error());
+  auto outer = baseOf(bases.outer, mesh);
+  if (!outer) return tl::unexpected(outer.error());
+  Parts parts{std::move(*solid), std::move(*inner), std::move(*outer), {}};
+  TopTools_IndexedMapOfShape map;
+  TopExp::MapShapes(occtShape(in.shape), TopAbs_FACE, map);
+  for (const int f : std::set<int>(open.begin(), open.end())) {
     const TopoDS_Face face = TopoDS::Face(map(f + 1));
     const BRepAdaptor_Surface surface(face);
     const gp_Pnt2d middle(0.5 * (surface.FirstUParameter() + surface.LastUParameter()),
@@ -98,24 +128,31 @@ class ShellMeasure {
   [[nodiscard]] WallPoint pointAt(const Vec3& x) const {
     constexpr double kNone = std::numeric_limits<double>::infinity();
     const ShellWalls& walls = options_.walls;
-    const double toClosed = parts_.closed.distance(x);
+    const double toClosed = parts_.in.closed.distance(x);
     const bool border = std::min(toClosed, nearestOpening(x)) < options_.tolerance;
-    const bool inside = parts_.solid.inside(x);
+    const bool inside = parts_.in.all.inside(x);
     double onFarSide = kNone;
-    if (walls.inner > 0 && (inside || border)) onFarSide = std::abs(toClosed - walls.inner);
+    if (walls.inner > 0 && (inside || border))
+      onFarSide = std::abs(fromBase(parts_.innerBase, x, toClosed) - walls.inner);
     if (walls.outer > 0 && (!inside || border))
-      onFarSide = std::min(onFarSide, std::abs(toClosed - walls.outer));
+      onFarSide =
+          std::min(onFarSide, std::abs(fromBase(parts_.outerBase, x, toClosed) - walls.outer));
     const bool facesStay = walls.inner == 0 || walls.outer == 0;
     double elsewhere = facesStay ? toClosed : kNone;
-    const double reach = border   ? std::max(walls.inner, walls.outer)
-                         : inside ? walls.inner
-                                  : walls.outer;
+    const double thickest = options_.bases.thickest;
+    const double reach = std::max(thickest, border   ? std::max(walls.inner, walls.outer)
+                                            : inside ? walls.inner
+                                                     : walls.outer);
     for (const OpenPlane& opening : parts_.openings) {
       if (toClosed > reach + options_.tolerance) break;
       if (opening.face.distance(x) <= kNearOpening * reach)
         elsewhere = std::min(elsewhere, std::abs(opening.height(x)));
     }
     return {std::min(onFarSide, elsewhere), onFarSide <= elsewhere};
+  }
+
+  static double fromBase(const std::optional<Solid>& base, const Vec3& x, double otherwise) {
+    return base ? base->closed.distance(x) : otherwise;
   }
 
   double nearestOpening(const Vec3& x) const {
@@ -128,30 +165,34 @@ class ShellMeasure {
   void measureCoverage() {
     SampleRng rng(kCoverageSeed);
     const ShellWalls& walls = options_.walls;
-    const std::vector<SurfaceSample> samples =
-        parts_.closed.surfaceSamples(options_.samples, kPerFace, rng);
-    for (const SurfaceSample& s : samples) {
-      if (walls.inner == 0 || walls.outer == 0) miss(s.point, s.weight);
-      if (walls.inner > 0) mustBe(s.point - walls.inner * s.normal, -walls.inner, s.weight);
-      if (walls.outer > 0) mustBe(s.point + walls.outer * s.normal, walls.outer, s.weight);
+    if (walls.inner == 0 || walls.outer == 0) {
+      for (const SurfaceSample& s : samplesOf(parts_.in, rng)) miss(s.point, s.weight);
     }
+    if (walls.inner > 0) measureFarSide(parts_.inner(), -walls.inner, rng);
+    if (walls.outer > 0) measureFarSide(parts_.outer(), walls.outer, rng);
+  }
+
+  [[nodiscard]] std::vector<SurfaceSample> samplesOf(const Solid& solid, SampleRng& rng) const {
+    return solid.closed.surfaceSamples(options_.samples, kPerFace, rng);
+  }
+
+  /// `side`: the wall, signed as an offset.
+  void measureFarSide(const Solid& base, double side, SampleRng& rng) {
+    for (const SurfaceSample& s : samplesOf(base, rng))
+      mustBe(s.point + side * s.normal, base, side, s.weight);
     RoundingDensity density;
-    density.perArea = options_.samples / parts_.closed.area();
-    for (const double side : {-walls.inner, walls.outer}) {
-      if (side == 0) continue;
-      for (const OffsetCandidate& c :
-           roundingCandidates(parts_.closed.shape(0), side, density, rng))
-        mustBe(c.point, side, c.weight);
-    }
+    density.perArea = options_.samples / base.closed.area();
+    for (const OffsetCandidate& c : roundingCandidates(base.closed.shape(0), side, density, rng))
+      mustBe(c.point, base, side, c.weight);
   }
 
   /// q is a point of a wall's far side unless something is nearer or the wall has ended.
-  void mustBe(const Vec3& q, double side, double weight) {
+  void mustBe(const Vec3& q, const Solid& base, double side, double weight) {
     const double wall = std::abs(side);
-    if (parts_.closed.meshDistance(q) < wall * (1 - kLooseKeep) - 4 * parts_.closed.deflection())
-      return;
-    if (parts_.closed.distance(q) < wall * (1 - kLooseKeep)) return;
-    if (parts_.solid.inside(q) != (side < 0)) return;
+    const ModelDistance& closed = base.closed;
+    if (closed.meshDistance(q) < wall * (1 - kLooseKeep) - 4 * closed.deflection()) return;
+    if (closed.distance(q) < wall * (1 - kLooseKeep)) return;
+    if (base.all.inside(q) != (side < 0)) return;
     for (const OpenPlane& opening : parts_.openings)
       if (opening.height(q) > -kLooseKeep * wall && opening.face.distance(q) < kNearOpening * wall)
         return;
@@ -169,7 +210,7 @@ class ShellMeasure {
 Result<CheckResult> measure(const Body& in, const std::vector<int>& open,
                             const std::vector<Body>& out, const ShellCheckOptions& options) {
   const TessellateOptions mesh = wallMesh(in, options);
-  const Result<Parts> parts = takeApart(in, open, mesh);
+  const Result<Parts> parts = takeApart(in, open, options.bases, mesh);
   if (!parts) return tl::unexpected(parts.error());
 
   CheckResult result;

@@ -57,14 +57,15 @@ struct Extended {
   std::vector<std::pair<TopoDS_Shape, TopoDS_Shape>> beyond;  ///< continuation, below
 };
 
-Result<Extended> extend(const TopoDS_Shape& solid, const ShellBodyRequest& request) {
-  if (request.open.empty()) return Extended{solid, {}};
+Result<Extended> extend(const TopoDS_Shape& solid, const std::vector<int>& open,
+                        const ShellBodyRequest& request) {
+  if (open.empty()) return Extended{solid, {}};
   const double height = kHeight * std::max(request.walls.inner, request.walls.outer);
   const Result<std::string> bytes =
       runInChild("extending the part through its openings", {kExtendSeconds, kExtendMemoryMiB},
                  [&]() -> Result<std::string> {
                    const Result<ThroughOpenings> made = extendThrough(
-                       solid, request.open, height, request.walls.outer > 0, request.firstNumber);
+                       solid, open, height, request.walls.outer > 0, request.firstNumber);
                    if (!made) return tl::unexpected(made.error());
                    BRep_Builder builder;
                    TopoDS_Compound all;
@@ -102,19 +103,23 @@ class BodySheller {
     if (!progress_.part(0, 0.05, "openings").report(0))
       return fail(ErrorCode::Cancelled, "the shell was cancelled");
     const Clock::time_point start = Clock::now();
-    const Result<Extended> extended = extend(occtShape(body_.shape), request_);
-    lap("openings", start);
+    const Result<Extended> extended = extend(occtShape(body_.shape), request_.open, request_);
     if (!extended) return tl::unexpected(extended.error());
+    const Result<Extended> forInner = extendedBase(request_.bases.inner, *extended);
+    if (!forInner) return tl::unexpected(forInner.error());
+    const Result<Extended> forOuter = extendedBase(request_.bases.outer, *extended);
+    if (!forOuter) return tl::unexpected(forOuter.error());
+    lap("openings", start);
     TopoDS_Shape from = occtShape(body_.shape);
     std::vector<TopoDS_Shape> tools;
     if (request_.walls.outer > 0) {
-      const Result<bool> found = outerSide(*extended, from, tools);
+      const Result<bool> found = outerSide(*forOuter, from, tools);
       if (!found) return tl::unexpected(found.error());
       if (!*found) return std::move(made_);
     }
     if (request_.walls.inner > 0) {
       const Result<std::vector<Body>> cavity =
-          offset(extended->solid, -request_.walls.inner, kOffsetShare, "the cavity", 0.4, 0.8);
+          offset(forInner->solid, -request_.walls.inner, kOffsetShare, "the cavity", 0.4, 0.8);
       if (!cavity) return tl::unexpected(cavity.error());
       if (failed_) return std::move(made_);
       for (const Body& solid : *cavity) tools.push_back(occtShape(solid.shape));
@@ -131,6 +136,11 @@ class BodySheller {
 
  private:
   BodyReport& report() { return made_.report; }
+
+  [[nodiscard]] Result<Extended> extendedBase(const std::optional<WallBase>& base,
+                                              const Extended& otherwise) const {
+    return base ? extend(occtShape(base->body.shape), base->open, request_) : otherwise;
+  }
 
   void lap(const std::string& stage, Clock::time_point start) {
     made_.times.push_back({stage, std::chrono::duration<double>(Clock::now() - start).count()});
@@ -267,6 +277,7 @@ class BodySheller {
   void judge(const std::vector<Body>& bodies) {
     ShellCheckOptions options;
     options.walls = request_.walls;
+    options.bases = request_.bases;
     options.tolerance = request_.tolerance;
     options.samples = kOfferedSamples;
     options.timeLimit = deadline_.forStep(1, kLeastSeconds, kMostCheckSeconds);

@@ -12,6 +12,7 @@ struct ShellBodyRequest {
   std::vector<int> open;  ///< 0-based faces of the body
   int firstNumber = 1;    ///< of the body's first face, as the user counts them
   ShellWalls walls;
+  WallBases bases = {};
   double tolerance = 0;  ///< mm
   int threads = 0;
   double timeLimit = 0;  ///< s

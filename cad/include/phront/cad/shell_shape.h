@@ -20,10 +20,18 @@ enum class ShellSide {
   Both,  ///< half of the thickness on either side
 };
 
+/// A face whose wall has a thickness of its own.
+struct FaceThickness {
+  FaceId face;
+  double thickness = 0;  ///< mm, > 0
+};
+
 struct ShellOptions {
   double thickness = 0;  ///< t, mm, > 0
   ShellSide side = ShellSide::In;
   std::vector<FaceId> open = {};  ///< planar faces left open; none: a closed cavity
+  /// Of solids: planes, cylinders, cones, spheres, tori, as moveFaces() moves them.
+  std::vector<FaceThickness> thicknessOf = {};
   /// mm, bound on the error of the thickness; default 1 % of t
   std::optional<double> tolerance = std::nullopt;
   int threads = 0;        ///< 0: all cores
@@ -47,11 +55,13 @@ struct ShellResult {
 
 /// Makes the wall of every solid: all that lies within the thickness of the faces that are not
 /// open, on the side wanted, and does not reach beyond an opening. Concave edges of the far side
-/// are sharp, convex ones rounded (arc join), so that the thickness is the same everywhere. A part
+/// are sharp, convex ones rounded (arc join), so that the thickness is the same everywhere. Behind
+/// a face with a thickness of its own the far side is that of the part with the face moved. A part
 /// too thin to be hollow stays as it is, with a warning. Sheets become the solids between their two
 /// sides; along their free edges these end straight, along the normals. Always judged; a result
 /// that fails is still returned, `accepted()` is then false. Fails with InvalidArgument,
-/// NotSupported (openings that are not planar; sheets whose faces disagree which side is out),
+/// NotSupported (openings that are not planar; sheets whose faces disagree which side is out; faces
+/// that moveFaces() refuses),
 /// UnreadableInput, Failed, ResourceLimit, Cancelled.
 [[nodiscard]] Result<ShellResult> shellModel(const Model& model, const ShellOptions& options,
                                              const Progress& progress = {});
