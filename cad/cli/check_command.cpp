@@ -6,6 +6,7 @@
 
 #include "body_reports.h"
 #include "cli.h"
+#include "face_wish.h"
 #include "join_wish.h"
 #include "phront/cad/check.h"
 #include "phront/cad/exchange.h"
@@ -19,6 +20,7 @@ struct CheckArguments {
   std::filesystem::path in;
   std::string distance;
   JoinWish join;
+  FaceWish faces;
   ShellWish shell;  ///< of a shell: no distance then
   CommonOptions common;
 };
@@ -52,6 +54,8 @@ int runCheck(const CheckArguments& arguments) {
     return reportUsage("say what OUT should be: an offset (-d) or a shell (-t)");
   if (!shell && !arguments.shell.open.empty())
     return reportUsage("--open belongs to shells: give their thickness (-t)");
+  if (shell && arguments.join.join == cad::Join::Mitre)
+    return reportUsage("--join mitre belongs to offsets: give their distance (-d)");
   const Result<double> length =
       parseLength(shell ? arguments.shell.thickness : arguments.distance, common.unit);
   if (!length) return reportError(length.error());
@@ -65,7 +69,7 @@ int runCheck(const CheckArguments& arguments) {
   if (!out) return reportError(out.error());
   Result<cad::CheckResult> check;
   if (shell) {
-    Result<cad::ShellOptions> options = resolve(arguments.shell, *in, common);
+    Result<cad::ShellOptions> options = resolve(arguments.shell, arguments.faces, *in, common);
     if (!options) return reportError(options.error());
     check = cad::checkShell(*in, *out, *options);
   } else {
@@ -74,7 +78,9 @@ int runCheck(const CheckArguments& arguments) {
     options.tolerance = *tolerance;
     options.join = arguments.join.join;
     options.mitreLimit = arguments.join.mitreLimit;
-    check = cad::checkOffset(*in, *out, options, makeProgress(common));
+    const Result<cad::Model> moved = withFacesMoved(arguments.faces, *in, *length, common);
+    if (!moved) return reportError(moved.error());
+    check = cad::checkOffset(*moved, *out, options, makeProgress(common));
     endProgress(common);
   }
   if (!check) return reportError(check.error());
@@ -101,6 +107,7 @@ void addCheckCommand(CLI::App& app, int& exitCode) {
   command->add_option("--against", arguments->in, "The part it was made from")->required();
   command->add_option("-d,--distance", arguments->distance, "Signed distance of an offset");
   addJoinWish(*command, arguments->join);
+  addFaceWish(*command, arguments->faces);
   addShellWish(*command, arguments->shell);
   addCommonOptions(*command, arguments->common);
   command->callback([arguments, &exitCode] { exitCode = runCheck(*arguments); });

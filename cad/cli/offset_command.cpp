@@ -7,6 +7,7 @@
 
 #include "body_reports.h"
 #include "cli.h"
+#include "face_wish.h"
 #include "join_wish.h"
 #include "offset_drawing.h"
 #include "offset_mesh.h"
@@ -22,14 +23,16 @@ struct OffsetArguments {
   std::filesystem::path out;
   std::string distance;
   JoinWish join;
+  FaceWish faces;
   bool parametric = false;
   bool surfaces = false;
   double timeLimit = cad::OffsetOptions().timeLimit;
   CommonOptions common;
 };
 
-nlohmann::json jsonOf(const cad::OffsetReport& report) {
+nlohmann::json jsonOf(const cad::OffsetReport& report, const FaceWish& faces) {
   return {{"distance_mm", report.options.distance},
+          {"distance_of", faces.terms},
           {"join", report.options.join == cad::Join::Mitre ? "mitre" : "arc"},
           {"tolerance_mm", report.options.tolerance.value_or(0)},
           {"bodies", cli::jsonOf(report.bodies)},
@@ -53,28 +56,30 @@ std::string summaryOf(const cad::OffsetReport& report) {
   return text;
 }
 
-int finish(const OffsetArguments& arguments, const cad::Model& in, cad::OffsetResult& result) {
+/// `moved`: `in`, with the faces moved that have a distance of their own.
+int finish(const OffsetArguments& arguments, const cad::Model& in, const cad::Model& moved,
+           cad::OffsetResult& result) {
   const cad::OffsetReport& report = result.report;
   for (std::size_t i = in.warnings.size(); i < report.warnings.size(); ++i)
     say(arguments.common, "warning: " + report.warnings[i]);
   if (result.model.bodies.empty() && result.accepted()) {
     say(arguments.common, "the part is thinner than 2|d| everywhere: its offset is empty");
     sayDetails(arguments.common, report.bodies, report.times);
-    const Result<void> written = writeReport(jsonOf(report), arguments.common);
+    const Result<void> written = writeReport(jsonOf(report, arguments.faces), arguments.common);
     return written ? kDone : reportError(written.error());
   }
   if (result.model.bodies.empty()) {
     sayDetails(arguments.common, report.bodies, report.times);
-    (void)writeReport(jsonOf(report), arguments.common);
+    (void)writeReport(jsonOf(report, arguments.faces), arguments.common);
     return reportError(
         {ErrorCode::Failed, "no offset could be made: " + report.check.reasons.front(), {}});
   }
   const Result<std::filesystem::path> written =
-      cad::writeOffset(in, result, arguments.out, arguments.common.keep);
+      cad::writeOffset(moved, result, arguments.out, arguments.common.keep);
   if (!written) return reportError(written.error());
   sayDetails(arguments.common, report.bodies, report.times);
   for (const auto& step :
-       {writeReport(jsonOf(report), arguments.common),
+       {writeReport(jsonOf(report, arguments.faces), arguments.common),
         drawModels(in, arguments.in.filename().string(), result.model,
                    fmt::format("offset {:+g} mm", report.options.distance), arguments.common)}) {
     if (!step) return reportError(step.error());
@@ -110,6 +115,10 @@ int runOffset(const OffsetArguments& arguments) {
   if (options.join == cad::Join::Mitre &&
       (arguments.surfaces || !isSolidPath(arguments.in) || !isSolidPath(arguments.out)))
     return reportUsage("--join mitre makes CAD solids: name a STEP, IGES or BREP file in and out");
+  if (!arguments.faces.terms.empty() &&
+      (arguments.surfaces || !isSolidPath(arguments.in) || !isSolidPath(arguments.out)))
+    return reportUsage(
+        "--distance-of is for faces of CAD solids: name a STEP, IGES or BREP file in and out");
   if (isDrawingPath(arguments.in) || isDrawingPath(arguments.out)) {
     const bool fromCurves = isDrawingPath(arguments.in) || cad::shapeFormatOf(arguments.in);
     if (!fromCurves || !isDrawingPath(arguments.out))
@@ -150,12 +159,15 @@ int runOffset(const OffsetArguments& arguments) {
     forSurfaces.timeLimit = options.timeLimit;
     return offsetSurfacesFile(*model, arguments.in, arguments.out, forSurfaces, arguments.common);
   }
+  const Result<cad::Model> moved =
+      withFacesMoved(arguments.faces, *model, *distance, arguments.common);
+  if (!moved) return reportError(moved.error());
   Result<cad::OffsetResult> result =
-      cad::offsetModel(*model, options, makeProgress(arguments.common));
+      cad::offsetModel(*moved, options, makeProgress(arguments.common));
   endProgress(arguments.common);
   if (!result) return reportError(result.error());
   if (interrupted()) return kInterrupted;
-  return finish(arguments, *model, *result);
+  return finish(arguments, *model, *moved, *result);
 }
 
 }  // namespace
@@ -174,6 +186,7 @@ void addOffsetCommand(CLI::App& app, int& exitCode) {
                    "Distance: positive grows the solid, negative shrinks it")
       ->required();
   addJoinWish(*command, arguments->join);
+  addFaceWish(*command, arguments->faces);
   command->add_flag("--parametric", arguments->parametric,
                     "Mesh output: move the input's own nodes, keep connectivity and order");
   command->add_flag("--surfaces", arguments->surfaces,

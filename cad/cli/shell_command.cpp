@@ -16,13 +16,15 @@ struct ShellArguments {
   std::filesystem::path in;
   std::filesystem::path out;
   ShellWish wish;
+  FaceWish faces;
   double timeLimit = cad::ShellOptions().timeLimit;
   CommonOptions common;
 };
 
-nlohmann::json jsonOf(const cad::ShellReport& report, const std::string& side) {
+nlohmann::json jsonOf(const cad::ShellReport& report, const ShellArguments& arguments) {
   return {{"thickness_mm", report.options.thickness},
-          {"side", side},
+          {"thickness_of", arguments.faces.terms},
+          {"side", arguments.wish.side},
           {"open_faces", report.options.open.size()},
           {"tolerance_mm", report.options.tolerance.value_or(0)},
           {"bodies", cli::jsonOf(report.bodies)},
@@ -47,7 +49,7 @@ int finish(const ShellArguments& arguments, const cad::Model& in, cad::ShellResu
     say(common, "warning: " + report.warnings[i]);
   if (result.model.bodies.empty()) {
     sayDetails(common, report.bodies, report.times);
-    (void)writeReport(jsonOf(report, arguments.wish.side), common);
+    (void)writeReport(jsonOf(report, arguments), common);
     return reportError(
         {ErrorCode::Failed, "no shell could be made: " + report.check.reasons.front(), {}});
   }
@@ -56,7 +58,7 @@ int finish(const ShellArguments& arguments, const cad::Model& in, cad::ShellResu
   if (!written) return reportError(written.error());
   sayDetails(common, report.bodies, report.times);
   for (const auto& step :
-       {writeReport(jsonOf(report, arguments.wish.side), common),
+       {writeReport(jsonOf(report, arguments), common),
         drawModels(in, arguments.in.filename().string(), result.model,
                    fmt::format("shell of {:g} mm", report.options.thickness), common)}) {
     if (!step) return reportError(step.error());
@@ -83,7 +85,7 @@ int runShell(const ShellArguments& arguments) {
   const Result<cad::Model> model = cad::readModel(arguments.in);
   if (!model) return reportError(model.error());
   for (const std::string& warning : model->warnings) say(common, "warning: " + warning);
-  Result<cad::ShellOptions> options = resolve(arguments.wish, *model, common);
+  Result<cad::ShellOptions> options = resolve(arguments.wish, arguments.faces, *model, common);
   if (!options) return reportError(options.error());
   options->timeLimit = arguments.timeLimit;
   Result<cad::ShellResult> result = cad::shellModel(*model, *options, makeProgress(common));
@@ -104,6 +106,7 @@ void addShellCommand(CLI::App& app, int& exitCode) {
   command->add_option("-o,--output", arguments->out, "Output file; its extension names the format")
       ->required();
   addShellWish(*command, arguments->wish)->required();
+  addFaceWish(*command, arguments->faces);
   command
       ->add_option("--time-limit", arguments->timeLimit,
                    "Seconds for all attempts and their checks; writing comes on top")

@@ -19,8 +19,8 @@ CLI::Option* addShellWish(CLI::App& command, ShellWish& wish) {
   return command.add_option("-t,--thickness", wish.thickness, "Shell: thickness of the wall");
 }
 
-Result<cad::ShellOptions> resolve(const ShellWish& wish, const cad::Model& model,
-                                  const CommonOptions& common) {
+Result<cad::ShellOptions> resolve(const ShellWish& wish, const FaceWish& faces,
+                                  const cad::Model& model, const CommonOptions& common) {
   cad::ShellOptions options;
   const Result<double> thickness = parseLength(wish.thickness, common.unit);
   if (!thickness) return tl::unexpected(thickness.error());
@@ -31,6 +31,9 @@ Result<cad::ShellOptions> resolve(const ShellWish& wish, const cad::Model& model
   options.threads = common.threads;
   if (wish.side == "out") options.side = cad::ShellSide::Out;
   if (wish.side == "both") options.side = cad::ShellSide::Both;
+  const Result<std::vector<FaceLength>> own = resolve(faces, model, common);
+  if (!own) return tl::unexpected(own.error());
+  for (const FaceLength& face : *own) options.thicknessOf.push_back({face.face, face.length});
   if (wish.open.empty()) return options;
   Result<std::vector<cad::FaceId>> open = cad::selectFaces(model, wish.open);
   if (!open) return tl::unexpected(open.error());

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli.h"
+#include "face_wish.h"
 #include "phront/cad/shell_shape.h"
 
 namespace phront::cli {
@@ -18,7 +19,8 @@ struct ShellWish {
 CLI::Option* addShellWish(CLI::App& command, ShellWish& wish);  // returns that of -t
 
 /// As options of the library; the tolerance and threads are those of `common`.
-[[nodiscard]] Result<cad::ShellOptions> resolve(const ShellWish& wish, const cad::Model& model,
+[[nodiscard]] Result<cad::ShellOptions> resolve(const ShellWish& wish, const FaceWish& faces,
+                                                const cad::Model& model,
                                                 const CommonOptions& common);
 
 }  // namespace phront::cli

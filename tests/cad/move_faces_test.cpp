@@ -175,6 +175,24 @@ TEST(MoveFaces, SmoothNeighboursGoTogether) {
   EXPECT_NEAR(volumeAfter(model, sides, 10), (area - outline + pi) * 10, 1e-6);
 }
 
+TEST(MoveFaces, APlaneCutsTheFilletsRoundIt) {
+  const Model model = modelOf(filletedBox(20, 3));
+  const FaceId top = faceOf(model, "normal:+z");
+  // Above the height 3 - h over the fillets' feet the section is a square with rounded corners.
+  const auto volumeAbove = [](double depth) {
+    constexpr int kSlices = 20000;
+    double volume = 0;
+    for (int i = 0; i < kSlices; ++i) {
+      const double z = 3 - depth * (i + 0.5) / kSlices;
+      const double radius = std::sqrt(9 - z * z);
+      volume += (14 * 14 + 4 * 14 * radius + pi * radius * radius) * depth / kSlices;
+    }
+    return volume;
+  };
+  EXPECT_NEAR(volumeAfter(model, {{top, -1}}, 26), volumeOf(model) - volumeAbove(1), 1e-3);
+  EXPECT_NE(refusal(model, {{top, 1}}), "");
+}
+
 TEST(MoveFaces, RefusesWhatCannotBe) {
   const Model model = modelOf(box(10, 20, 30));
   const FaceId top = faceOf(model, "normal:+z");

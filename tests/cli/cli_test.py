@@ -231,6 +231,41 @@ class CliTest(unittest.TestCase):
         self.assertEqual(run.returncode, 2, run.stderr)
         self.assertFalse(mesh.exists())
 
+    def test_faces_have_a_distance_of_their_own(self) -> None:
+        out = self.out("own.step")
+        report = self.out("own.json")
+        own = ("--distance-of", "F8=1.5", "--distance-of", "normal:-z=0")
+        run = phront("offset", self.part, "-o", out, "-d", "1", *own, "--report", report)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertEqual(json.loads(report.read_text())["distance_of"], list(own[1::2]))
+        against = ("check", out, "--against", self.part, "-d", "1")
+        self.assertEqual(phront(*against, *own).returncode, 0)
+        self.assertEqual(phront(*against).returncode, 4)
+        for term, word in (
+            ("normal:+z", "F3=2"),
+            ("F99=1", "F99"),
+            ("normal:+z=", "length"),
+            ("F8=50", "cannot be moved"),
+        ):
+            none = self.out("none.step")
+            run = phront("offset", self.part, "-o", none, "-d", "1", "--distance-of", term)
+            self.assertNotEqual(run.returncode, 0, term)
+            self.assertIn(word, run.stderr)
+            self.assertFalse(none.exists())
+        mesh = self.out("own.stl")
+        run = phront("offset", self.part, "-o", mesh, "-d", "1", *own)
+        self.assertEqual(run.returncode, 2, run.stderr)
+
+    def test_walls_have_a_thickness_of_their_own(self) -> None:
+        out = self.out("own_shell.step")
+        shell = ("-t", "1.5", "--open", "normal:+z", "--distance-of", "normal:-z=3")
+        run = phront("shell", self.part, "-o", out, *shell)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        against = ("check", out, "--against", self.part)
+        self.assertEqual(phront(*against, *shell).returncode, 0)
+        self.assertEqual(phront(*against, *shell[:4]).returncode, 4)
+        self.assertEqual(phront(*against, *shell, "--join", "mitre").returncode, 2)
+
     def test_thinner_than_twice_d_is_empty_and_done(self) -> None:
         out = self.out("none_left.step")
         run = phront("offset", self.part, "-o", out, "-d", "-500")

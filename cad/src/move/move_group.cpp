@@ -97,9 +97,9 @@ class GroupMover {
       for (const EdgeSample& s : edge.samples) {
         const double sine = s.n1.Crossed(s.n2).Magnitude();
         if (sine < kSmoothNeighbours) {
-          return cannotMove(
-              fmt::format("face F{} goes on smoothly into F{}; give both the same distance",
-                          numberOf(face), numberOf(neighbour)));
+          if (Result<void> met = meetSmooth(face, neighbour, s.point, first ? s.n1 : s.n2); !met)
+            return met;
+          continue;
         }
         const double length = kBeyond * std::abs(move_.distance) / sine;
         const gp_Vec& up = first ? s.n1 : s.n2;
@@ -119,6 +119,22 @@ class GroupMover {
       }
     }
     return {};
+  }
+
+  /// A plane may move to the side that a smooth neighbour bends to, and cut it.
+  Result<void> meetSmooth(int face, int neighbour, const gp_Pnt& point, const gp_Vec& normal) {
+    const TopoDS_Face& plane = table_.faces[static_cast<std::size_t>(face)];
+    double bend = 0;
+    for (const gp_Pnt& p : outlineOf(table_.faces[static_cast<std::size_t>(neighbour)])) {
+      const double height = gp_Vec(point, p).Dot(normal);
+      if (std::abs(height) > std::abs(bend)) bend = height;
+      beyond_[face].push_back(p.Translated((move_.distance - height) * normal));
+    }
+    if (BRepAdaptor_Surface(plane).GetType() == GeomAbs_Plane && std::abs(bend) > tolerance_ &&
+        bend * move_.distance > 0)
+      return {};
+    return cannotMove(fmt::format("face F{} goes on smoothly into F{}; give both the same distance",
+                                  numberOf(face), numberOf(neighbour)));
   }
 
   /// Whether the face has a smooth edge at an end of this one.

@@ -22,7 +22,8 @@ struct MovedModel {
 };
 
 /// Moves planes, cylinders, cones, spheres and tori of solids. Neighbours stay on their surfaces
-/// and meet the moved face at sharp edges; smooth neighbours must be moved by the same distance.
+/// and meet the moved face at sharp edges. Smooth neighbours must be moved by the same distance,
+/// unless the face is a plane that moves to where they bend, as the side of a fillet does inwards.
 /// To offset by d, but a face by D, move that face by D - d first. Fails with InvalidArgument (no
 /// such face, no solid, no finite distance), NotSupported and a sentence that names the face (a
 /// freeform face, a smooth neighbour that stays, a face that would be gone), Failed, ResourceLimit.
