@@ -234,7 +234,7 @@ class CliTest(unittest.TestCase):
     def test_faces_have_a_distance_of_their_own(self) -> None:
         out = self.out("own.step")
         report = self.out("own.json")
-        own = ("--distance-of", "F8=1.5", "--distance-of", "normal:-z=0")
+        own = ("--distance-of", "F13=1.5", "--distance-of", "normal:-z=0")
         run = phront("offset", self.part, "-o", out, "-d", "1", *own, "--report", report)
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assertEqual(json.loads(report.read_text())["distance_of"], list(own[1::2]))
@@ -245,7 +245,7 @@ class CliTest(unittest.TestCase):
             ("normal:+z", "F3=2"),
             ("F99=1", "F99"),
             ("normal:+z=", "length"),
-            ("F8=50", "cannot be moved"),
+            ("F13=50", "cannot be moved"),
         ):
             none = self.out("none.step")
             run = phront("offset", self.part, "-o", none, "-d", "1", "--distance-of", term)
