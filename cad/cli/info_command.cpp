@@ -65,18 +65,33 @@ int infoOfMesh(const InfoArguments& arguments, bool talk) {
                 arguments.common);
 }
 
-nlohmann::json infoOfBody(const cad::Body& body, std::size_t number, int& faceNumber,
+/// The assemblies that the body hangs in, the outermost first.
+std::string placeOf(const cad::Model& model, const cad::Body& body) {
+  std::string place;
+  for (int a = body.assembly; a >= 0;) {
+    const cad::AssemblyNode& node = model.assemblies[static_cast<std::size_t>(a)];
+    place = node.name + (place.empty() ? "" : "/" + place);
+    a = node.parent;
+  }
+  return place;
+}
+
+nlohmann::json infoOfBody(const cad::Model& model, std::size_t index, int& faceNumber,
                           const InfoArguments& arguments, bool talk) {
+  const cad::Body& body = model.bodies[index];
+  const std::size_t number = index + 1;
+  const std::string place = placeOf(model, body);
   const Box3 box = boundingBox(body.shape);
   const char* kind = body.kind == cad::BodyKind::Solid ? "solid" : "sheet";
   nlohmann::json json = {{"name", body.name},
+                         {"assembly", place},
                          {"kind", kind},
                          {"faces", nlohmann::json::array()},
                          {"diagonal_mm", box.diagonal().norm()}};
   if (talk)
-    fmt::print("body {}: {} {}{} faces, {}\n", number, kind,
-               body.name.empty() ? "" : "'" + body.name + "', ", faceCount(body.shape),
-               sizeOf(box));
+    fmt::print("body {}: {} {}{}{} faces, {}\n", number, kind,
+               body.name.empty() ? "" : "'" + body.name + "', ",
+               place.empty() ? "" : "in '" + place + "', ", faceCount(body.shape), sizeOf(box));
   cad::TessellateOptions options;
   options.deflection = kInfoDeflection * box.diagonal().norm();
   const Result<cad::Tessellation> mesh = cad::tessellate(body, options);
@@ -95,10 +110,12 @@ nlohmann::json infoOfBody(const cad::Body& body, std::size_t number, int& faceNu
   for (const cad::FaceFeature& face : mesh->features.faces) {
     ++types[cli::wordFor(face.type)];
     const std::string name = fmt::format("F{}", ++faceNumber);
-    json["faces"].push_back(
-        {{"id", name}, {"type", cli::wordFor(face.type)}, {"area_mm2", face.area}, {"name", face.name}});
-    list += fmt::format("    {:<6}{:<12}{:>14.6g} mm2  {}\n", name, cli::wordFor(face.type), face.area,
-                        face.name);
+    json["faces"].push_back({{"id", name},
+                             {"type", cli::wordFor(face.type)},
+                             {"area_mm2", face.area},
+                             {"name", face.name}});
+    list += fmt::format("    {:<6}{:<12}{:>14.6g} mm2  {}\n", name, cli::wordFor(face.type),
+                        face.area, face.name);
   }
   if (talk) {
     const auto counts = [](const std::map<std::string, int>& words) {
@@ -128,7 +145,7 @@ int runInfo(const InfoArguments& arguments) {
   nlohmann::json bodies = nlohmann::json::array();
   int faceNumber = 0;
   for (std::size_t i = 0; i < model->bodies.size(); ++i)
-    bodies.push_back(infoOfBody(model->bodies[i], i + 1, faceNumber, arguments, talk));
+    bodies.push_back(infoOfBody(*model, i, faceNumber, arguments, talk));
   if (talk && !arguments.common.verbose) fmt::print("(-v lists every face)\n");
   if (const Result<void> ok =
           drawModels(*model, arguments.in.filename().string(), cad::Model(), "", arguments.common);

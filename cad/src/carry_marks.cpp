@@ -79,7 +79,10 @@ Result<std::vector<int>> originsOf(const std::vector<Body>& out, const TrueDista
 }  // namespace
 
 void carryMarks(const Body& in, double distance, std::vector<Body>& out) {
-  for (Body& body : out) body.colour = in.colour;
+  for (Body& body : out) {
+    body.colour = in.colour;
+    body.assembly = in.assembly;
+  }
   if (!hasMarks(in)) return;
   const Result<TrueDistance> phi = distanceOf(in, distance, kTessellateSeconds);
   if (!phi) return;

@@ -193,6 +193,7 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
   OffsetReport& report = result.report;
   report.options = options;
   report.warnings = model.warnings;
+  result.model.assemblies = model.assemblies;
   const Deadline deadline(options.timeLimit);
   const std::vector<Body> bodies = joinNearBodies(model.bodies, options.distance, report.warnings);
   const Progress forBodies = progress.part(0, 0.95);

@@ -169,6 +169,7 @@ Result<ShellResult> shellModel(const Model& model, const ShellOptions& requested
   report.options.tolerance =
       requested.tolerance.value_or(kToleranceOfThickness * requested.thickness);
   report.warnings = model.warnings;
+  result.model.assemblies = model.assemblies;
   report.check = emptyCheck();
   const Deadline deadline(requested.timeLimit);
   const Result<std::vector<WallBases>> bases = wallBasesOf(model, requested);

@@ -195,6 +195,63 @@ TEST_F(Exchange, ColoursSurviveStep) {
   }
 }
 
+/// A machine of two drives, each a motor on a foot, and a cover beside them.
+Model machine() {
+  const TopoDS_Shape motor = BRepPrimAPI_MakeCylinder(5, 20).Solid();
+  const TopoDS_Shape foot = BRepPrimAPI_MakeBox(10, 10, 2).Solid();
+  Model model;
+  model.assemblies = {{"machine", -1}, {"drive", 0}, {"drive", 0}};
+  for (const int drive : {1, 2}) {
+    gp_Trsf place = somewhere();
+    place.SetTranslationPart(gp_Vec(0, 40.0 * drive, 0));
+    model.bodies.push_back(bodyOf(motor.Moved(TopLoc_Location(place)), "motor"));
+    model.bodies.push_back(bodyOf(foot.Moved(TopLoc_Location(place)), "foot"));
+    model.bodies[model.bodies.size() - 1].assembly = drive;
+    model.bodies[model.bodies.size() - 2].assembly = drive;
+  }
+  model.bodies.push_back(bodyOf(BRepPrimAPI_MakeBox(50, 1, 50).Solid(), "cover"));
+  model.bodies.back().assembly = 0;
+  const TopLoc_Location away(somewhere());
+  model.bodies.push_back(bodyOf(BRepPrimAPI_MakeSphere(3).Shape().Moved(away), "loose"));
+  return model;
+}
+
+TEST_F(Exchange, AssembliesSurviveStep) {
+  Model model = machine();
+  const Colour steel{0.25, 0.5, 0.75};
+  model.bodies[0].colour = steel;
+  model.bodies[5].colour = steel;
+  model.bodies[0].faceNames = {"shaft", "", "flange"};
+  ASSERT_TRUE(writeModel(model, path("machine.step")));
+  const auto again = readModel(path("machine.step"));
+  ASSERT_TRUE(again) << again.error().message;
+  EXPECT_EQ(again->assemblies, model.assemblies);
+  ASSERT_EQ(again->bodies.size(), model.bodies.size());
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    const Body& body = again->bodies[b];
+    EXPECT_EQ(body.name, model.bodies[b].name);
+    EXPECT_EQ(body.assembly, model.bodies[b].assembly);
+    const Box3 place = boundingBox(body.shape);
+    EXPECT_LT((place.center() - boundingBox(model.bodies[b].shape).center()).norm(), 1e-5);
+  }
+  for (const std::size_t b : {0, 5}) {
+    ASSERT_TRUE(again->bodies[b].colour);
+    EXPECT_NEAR(again->bodies[b].colour->green, steel.green, 1e-6);
+  }
+  EXPECT_EQ(again->bodies[0].faceNames, model.bodies[0].faceNames);
+}
+
+TEST_F(Exchange, RefusesAssembliesThatAreNoTree) {
+  for (const int parent : {0, 1, 7, -2}) {
+    Model model = machine();
+    model.assemblies[0].parent = parent;
+    EXPECT_EQ(writeModel(model, path("no.step")).error().code, ErrorCode::CannotWrite);
+  }
+  Model model = machine();
+  model.bodies[0].assembly = 3;
+  EXPECT_EQ(writeModel(model, path("no.step")).error().code, ErrorCode::CannotWrite);
+}
+
 TEST_F(Exchange, SheetsStaySheets) {
   const TopoDS_Shape box = BRepPrimAPI_MakeBox(1, 2, 3).Shape();
   Model model;

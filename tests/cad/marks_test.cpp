@@ -55,6 +55,33 @@ std::map<std::string, std::pair<int, gp_Pnt>> namesOf(const Body& body) {
   return names;
 }
 
+TEST(Marks, ResultsHangWhereTheirPartsDo) {
+  Model model;
+  model.assemblies = {{"machine", -1}, {"drive", 0}};
+  for (const int assembly : {1, 0, -1}) {
+    model.bodies.push_back(test::solidBody(test::transformed(test::box(20, 30, 10), [&] {
+      gp_Trsf shift;
+      shift.SetTranslation(gp_Vec(100.0 * assembly, 0, 0));
+      return shift;
+    }())));
+    model.bodies.back().assembly = assembly;
+  }
+  const Result<OffsetResult> grown = offsetModel(model, {.distance = 1});
+  const Result<ShellResult> hollow = shellModel(model, {.thickness = 1});
+  ASSERT_TRUE(grown && hollow);
+  for (const Model* made : {&grown->model, &hollow->model}) {
+    EXPECT_EQ(made->assemblies, model.assemblies);
+    ASSERT_EQ(made->bodies.size(), 3U);
+    for (std::size_t b = 0; b < 3; ++b)
+      EXPECT_EQ(made->bodies[b].assembly, model.bodies[b].assembly);
+  }
+  // Nearer than 2 d the bodies grow together, and the result is in no drive.
+  const Result<OffsetResult> one = offsetModel(model, {.distance = 45});
+  ASSERT_TRUE(one.has_value());
+  ASSERT_EQ(one->model.bodies.size(), 1U);
+  EXPECT_EQ(one->model.bodies[0].assembly, -1);
+}
+
 TEST(Marks, TravelToTheOffset) {
   const Model model = markedBox();
   for (const double distance : {1.0, -1.0}) {

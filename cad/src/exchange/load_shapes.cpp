@@ -56,7 +56,9 @@ std::string labelName(const TDF_Label& label) {
   return textOfStepString(utf8(name->Get()));  // OpenCASCADE 7.6 leaves \\X2\\ as it is
 }
 
-void collect(const TDF_Label& label, const TopLoc_Location& place, int depth, Loaded& loaded) {
+/// `assembly`: the one that the label is a component of.
+void collect(const TDF_Label& label, const TopLoc_Location& place, int depth, int assembly,
+             Loaded& loaded) {
   if (depth > kDeepestAssembly) return;
   TDF_Label product = label;
   TopLoc_Location here = place;
@@ -67,11 +69,13 @@ void collect(const TDF_Label& label, const TopLoc_Location& place, int depth, Lo
   if (XCAFDoc_ShapeTool::IsAssembly(product)) {
     TDF_LabelSequence parts;
     XCAFDoc_ShapeTool::GetComponents(product, parts);
-    for (const TDF_Label& part : parts) collect(part, here, depth + 1, loaded);
+    const int own = static_cast<int>(loaded.assemblies.size());
+    loaded.assemblies.push_back({labelName(product), assembly});
+    for (const TDF_Label& part : parts) collect(part, here, depth + 1, own, loaded);
     return;
   }
   const TopoDS_Shape shape = XCAFDoc_ShapeTool::GetShape(product);
-  if (!shape.IsNull()) loaded.shapes.push_back({shape.Moved(here), labelName(product)});
+  if (!shape.IsNull()) loaded.shapes.push_back({shape.Moved(here), labelName(product), assembly});
 }
 
 std::string asText(const Handle(TCollection_HAsciiString) & text) {
@@ -168,7 +172,7 @@ Result<Loaded> loadStep(const FileText& file, const StepScan& scan) {
   loaded.unitInMm = scan.unitInMm;
   TDF_LabelSequence roots;
   tool->GetFreeShapes(roots);
-  for (const TDF_Label& root : roots) collect(root, TopLoc_Location(), 0, loaded);
+  for (const TDF_Label& root : roots) collect(root, TopLoc_Location(), 0, -1, loaded);
   if (loaded.shapes.empty()) return nothing(loaded.emptyReason);
   nameEntities(*reader.Reader().WS(), loaded);
   readColours(reader.Reader().WS(), loaded.marks);
@@ -186,7 +190,7 @@ Result<Loaded> loadIges(const std::filesystem::path& path) {
   const TopoDS_Shape shape = reader.OneShape();
   if (shape.IsNull()) return nothing({});
   Loaded loaded;
-  loaded.shapes.push_back({shape, {}});
+  loaded.shapes.push_back({shape, {}, -1});
   const Handle(IGESData_IGESModel) model = reader.IGESModel();
   const Handle(Transfer_TransientProcess) process =
       reader.WS()->TransferReader()->TransientProcess();
@@ -220,7 +224,7 @@ Result<Loaded> loadBrep(const FileText& file) {
     return fail(ErrorCode::UnreadableInput, "OpenCASCADE finds no shape in it");
   }
   Loaded loaded;
-  loaded.shapes.push_back({shape, {}});
+  loaded.shapes.push_back({shape, {}, -1});
   return loaded;
 }
 

@@ -18,6 +18,7 @@ namespace phront::cad {
 struct NamedShape {
   TopoDS_Shape shape;
   std::string name;
+  int assembly = -1;  ///< index into Loaded::assemblies
 };
 
 /// What a file says of a face or solid beside its geometry.
@@ -42,7 +43,8 @@ class ShapeMarks {
 
 struct Loaded {
   std::vector<NamedShape> shapes;  ///< in mm, in place
-  ShapeMarks marks;                ///< of faces and solids
+  std::vector<AssemblyNode> assemblies;
+  ShapeMarks marks;  ///< of faces and solids
   std::string unit = "mm";
   double unitInMm = 1;
   std::vector<std::string> warnings;

@@ -58,6 +58,7 @@ class BodyMaker {
     model_.unit = loaded_.unit;
     model_.unitInMm = loaded_.unitInMm;
     model_.warnings = loaded_.warnings;
+    model_.assemblies = loaded_.assemblies;
     for (const NamedShape& named : loaded_.shapes) addSolids(named);
     addLooseFaces();
     if (!defect_.empty()) return fail(ErrorCode::UnreadableInput, defect_);
@@ -113,8 +114,10 @@ class BodyMaker {
         RepairContext context = contextOf(name);
         for (const RepairedBody& body : repairSolid(solid, context)) add(body, name);
       }
-      for (std::size_t b = first; b < model_.bodies.size(); ++b)
+      for (std::size_t b = first; b < model_.bodies.size(); ++b) {
         model_.bodies[b].colour = loaded_.marks.of(solid).colour;
+        model_.bodies[b].assembly = named.assembly;
+      }
     }
   }
 

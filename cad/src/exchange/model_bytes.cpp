@@ -17,6 +17,7 @@ namespace {
 class Writer {
  public:
   void number(std::uint64_t value) { raw(&value, sizeof value); }
+  void index(int value) { number(static_cast<std::uint64_t>(value + 1)); }  // -1: none
   void real(double value) { raw(&value, sizeof value); }
   void text(std::string_view value) {
     number(value.size());
@@ -50,6 +51,7 @@ class Reader {
     raw(&value, sizeof value);
     return value;
   }
+  int index() { return static_cast<int>(number()) - 1; }
   double real() {
     double value = 0;
     raw(&value, sizeof value);
@@ -100,6 +102,11 @@ std::string bytesOfModel(const Model& model) {
   writer.text(model.unit);
   writer.real(model.unitInMm);
   writer.texts(model.warnings);
+  writer.number(model.assemblies.size());
+  for (const AssemblyNode& assembly : model.assemblies) {
+    writer.text(assembly.name);
+    writer.index(assembly.parent);
+  }
   writer.number(model.bodies.size());
   // All in one compound, so that what bodies share stays shared: instances of one part.
   const BRep_Builder builder;
@@ -109,6 +116,7 @@ std::string bytesOfModel(const Model& model) {
     writer.number(body.kind == BodyKind::Solid ? 0 : 1);
     writer.number(body.valid ? 1 : 0);
     writer.text(body.name);
+    writer.index(body.assembly);
     writer.texts(body.faceNames);
     writer.colour(body.colour);
     writer.number(body.faceColours.size());
@@ -126,12 +134,19 @@ Result<Model> modelOfBytes(std::string_view bytes) {
   model.unit = reader.text();
   model.unitInMm = reader.real();
   model.warnings = reader.texts();
+  for (std::uint64_t n = reader.number(); n > 0 && reader.good(); --n) {
+    AssemblyNode assembly;
+    assembly.name = reader.text();
+    assembly.parent = reader.index();
+    model.assemblies.push_back(std::move(assembly));
+  }
   std::vector<bool> hasShape;
   for (std::uint64_t n = reader.number(); n > 0 && reader.good(); --n) {
     Body body;
     body.kind = reader.number() == 0 ? BodyKind::Solid : BodyKind::Sheet;
     body.valid = reader.number() != 0;
     body.name = reader.text();
+    body.assembly = reader.index();
     body.faceNames = reader.texts();
     body.colour = reader.colour();
     for (std::uint64_t c = reader.number(); c > 0 && reader.good(); --c)

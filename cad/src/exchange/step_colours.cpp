@@ -13,6 +13,7 @@
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
+#include <TopTools_MapOfShape.hxx>
 #include <TransferBRep.hxx>
 #include <Transfer_TransientProcess.hxx>
 #include <XSControl_TransferReader.hxx>
@@ -95,8 +96,12 @@ void readColours(const Handle(XSControl_WorkSession) & session, ShapeMarks& mark
 
 void writeColours(const Handle(XSControl_WorkSession) & session, const Model& model) {
   ColourWriter writer(session);
+  TopTools_MapOfShape done;  // instances of one part are one product
   for (const Body& body : model.bodies) {
-    const TopoDS_Shape& shape = occtShape(body.shape);
+    TopoDS_Shape shape = occtShape(body.shape);
+    // In an assembly the file has the part where it was made, and its place beside it.
+    if (body.assembly >= 0) shape.Location(TopLoc_Location());
+    if (!done.Add(shape)) continue;
     if (body.colour) writer.add(shape, *body.colour);
     TopTools_IndexedMapOfShape faces;
     TopExp::MapShapes(shape, TopAbs_FACE, faces);

@@ -11,9 +11,7 @@
 #include <Interface_Static.hxx>
 #include <STEPConstruct.hxx>
 #include <STEPControl_Writer.hxx>
-#include <StepBasic_Product.hxx>
 #include <StepData_Protocol.hxx>
-#include <StepData_StepModel.hxx>
 #include <StepData_StepWriter.hxx>
 #include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
@@ -24,6 +22,7 @@
 #include <TopoDS_Compound.hxx>
 #include <XSControl_TransferWriter.hxx>
 #include <XSControl_WorkSession.hxx>
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <sstream>
@@ -31,6 +30,7 @@
 #include "exchange/arc_ranges.h"
 #include "exchange/guard.h"
 #include "exchange/step_colours.h"
+#include "exchange/step_products.h"
 #include "exchange/step_string.h"
 #include "phront/cad/exchange.h"
 #include "phront/cad/shape_occt.h"
@@ -63,24 +63,8 @@ void nameItem(const STEPControl_Writer& writer, const TopoDS_Shape& shape,
   if (!item.IsNull()) item->SetName(new TCollection_HAsciiString(stepString(name).c_str()));
 }
 
-// The writer numbers the product names it is given; the file shall have them as they are.
-void nameProducts(STEPControl_Writer& writer, const std::vector<std::string>& names) {
-  std::vector<Handle(StepBasic_Product)> products;
-  const Handle(StepData_StepModel) model = writer.Model();
-  for (int i = 1; i <= model->NbEntities(); ++i) {
-    const auto product = Handle(StepBasic_Product)::DownCast(model->Value(i));
-    if (!product.IsNull()) products.push_back(product);
-  }
-  if (products.size() != names.size()) return;
-  for (std::size_t p = 0; p < products.size(); ++p) {
-    const Handle(TCollection_HAsciiString) name = new TCollection_HAsciiString(names[p].c_str());
-    products[p]->SetName(name);
-    products[p]->SetId(name);
-  }
-}
-
-// Curves in the parameters of planes say nothing that the planes do not; without them a polyhedron's
-// file has a third of the size and is read three times as fast.
+// Curves in the parameters of planes say nothing that the planes do not; without them a
+// polyhedron's file has a third of the size and is read three times as fast.
 bool needsParameterCurves(const TopoDS_Shape& shape) {
   for (TopExp_Explorer face(shape, TopAbs_FACE); face.More(); face.Next()) {
     const BRepAdaptor_Surface surface(TopoDS::Face(face.Current()), Standard_False);
@@ -89,30 +73,38 @@ bool needsParameterCurves(const TopoDS_Shape& shape) {
   return false;
 }
 
+void nameFaces(const STEPControl_Writer& writer, const Body& body) {
+  const TopoDS_Shape& shape = occtShape(body.shape);
+  nameItem(writer, shape, body.name);
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  const auto named =
+      std::min<std::size_t>(body.faceNames.size(), static_cast<std::size_t>(faces.Extent()));
+  for (std::size_t f = 0; f < named; ++f)
+    nameItem(writer, faces(static_cast<int>(f) + 1), body.faceNames[f]);
+}
+
 /// Runs in the child: changes the shapes.
 Result<std::string> stepBytes(const Model& model) {
   STEPControl_Writer writer;
   Interface_Static::SetCVal("write.step.schema", "AP214IS");
   Interface_Static::SetCVal("write.step.unit", "MM");
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");
-  std::vector<std::string> products;
-  for (const Body& body : model.bodies) {
-    products.push_back(
-        stepString(body.name.empty() ? fmt::format("body {}", products.size() + 1) : body.name));
-    const TopoDS_Shape& shape = occtShape(body.shape);
-    keepArcsWithinOneTurn(shape);  // of this process only: bytesAs() runs in a child
-    Interface_Static::SetIVal("write.surfacecurve.mode", needsParameterCurves(shape) ? 1 : 0);
-    if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone) return refused(body, "STEP");
-    nameItem(writer, shape, body.name);
-    TopTools_IndexedMapOfShape faces;
-    TopExp::MapShapes(shape, TopAbs_FACE, faces);
-    const auto named =
-        std::min<std::size_t>(body.faceNames.size(), static_cast<std::size_t>(faces.Extent()));
-    for (std::size_t f = 0; f < named; ++f) {
-      nameItem(writer, faces(static_cast<int>(f) + 1), body.faceNames[f]);
-    }
+  constexpr int kWholeShapes = 0;
+  constexpr int kNestedCompounds = 1;
+  Interface_Static::SetIVal("write.step.assembly",
+                            model.assemblies.empty() ? kWholeShapes : kNestedCompounds);
+  for (const Body& body : model.bodies)
+    keepArcsWithinOneTurn(
+        occtShape(body.shape));  // of this process only: bytesAs() runs in a child
+  const ProductTree tree = productTree(model);
+  for (const TopoDS_Shape& root : tree.roots) {
+    Interface_Static::SetIVal("write.surfacecurve.mode", needsParameterCurves(root) ? 1 : 0);
+    if (writer.Transfer(root, STEPControl_AsIs) != IFSelect_RetDone)
+      return fail(ErrorCode::CannotWrite, "OpenCASCADE cannot write this model as STEP");
   }
-  nameProducts(writer, products);
+  for (const Body& body : model.bodies) nameFaces(writer, body);
+  nameProducts(writer, tree);
   writeColours(writer.WS(), model);
   StepData_StepWriter text(writer.Model());
   text.SendModel(Handle(StepData_Protocol)::DownCast(writer.WS()->Protocol()));
@@ -205,6 +197,17 @@ Result<void> checkTarget(const fs::path& path) {
   return {};
 }
 
+bool isTree(const Model& model) {
+  const int count = static_cast<int>(model.assemblies.size());
+  for (int a = 0; a < count; ++a) {
+    const int parent = model.assemblies[static_cast<std::size_t>(a)].parent;
+    if (parent < -1 || parent >= a) return false;
+  }
+  return std::all_of(model.bodies.begin(), model.bodies.end(), [&](const Body& body) {
+    return body.assembly >= -1 && body.assembly < count;
+  });
+}
+
 }  // namespace
 
 Result<void> writeModel(const Model& model, const fs::path& path) {
@@ -214,6 +217,7 @@ Result<void> writeModel(const Model& model, const fs::path& path) {
   for (const Body& body : model.bodies) {
     if (body.shape.empty()) return cannotWrite(path, "body '" + body.name + "' has no shape");
   }
+  if (!isTree(model)) return cannotWrite(path, "its assemblies are no tree, parents first");
   if (auto target = checkTarget(path); !target) return target;
   const std::string what = "writing " + path.filename().string();
   const auto bytes = runInChild(what, kWriteLimits, [&] { return bytesAs(model, *format); });

@@ -75,6 +75,7 @@ Body together(const std::vector<Body>& bodies, const std::vector<std::size_t>& m
   for (const std::size_t i : members) {
     builder.Add(compound, occtShape(bodies[i].shape));
     joint.valid = joint.valid && bodies[i].valid;
+    if (bodies[i].assembly != joint.assembly) joint.assembly = -1;
   }
   joint.shape = makeShape(compound);
   markJoint(joint, bodies, members);

@@ -25,14 +25,14 @@ struct ReadOptions {
 /// Reads a file in a child process with limits on time and memory, so that whatever OpenCASCADE does
 /// with a hostile file (exception, signal, endless recursion, hang, output) ends as an Error.
 /// The format follows the content where it is plain (a STEP file named .igs is read as STEP, with a
-/// warning), else the extension. Lengths arrive in mm. Assemblies are flattened to placed bodies;
-/// faces without a solid are sewn; closed shells become solids with positive volume.
+/// warning), else the extension. Lengths arrive in mm. Bodies are placed; Model::assemblies tells
+/// how they hang together; faces without a solid are sewn; closed shells become solids with positive volume.
 /// Fails with UnreadableInput or ResourceLimit, one sentence that names the trouble.
 [[nodiscard]] Result<Model> readModel(const std::filesystem::path& path,
                                       const ReadOptions& options = {});
 
-/// Writes the bodies (in mm) in a guarded child process, aside, then renames. Names are kept in
-/// STEP. Fails with CannotWrite.
+/// Writes the bodies (in mm) in a guarded child process, aside, then renames. Names, colours and
+/// assemblies are kept in STEP. Fails with CannotWrite.
 [[nodiscard]] Result<void> writeModel(const Model& model, const std::filesystem::path& path);
 
 }  // namespace phront::cad

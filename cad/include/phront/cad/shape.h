@@ -35,11 +35,19 @@ struct Colour {
 
 enum class BodyKind { Solid, Sheet };
 
+/// A node of the tree that a file's bodies hang in.
+struct AssemblyNode {
+  std::string name;
+  int parent = -1;  ///< index into Model::assemblies, before its own; -1: none
+  friend bool operator==(const AssemblyNode&, const AssemblyNode&) = default;
+};
+
 /// One solid or one connected sheet, in its place.
 struct Body {
   Shape shape;
   BodyKind kind = BodyKind::Solid;
-  std::string name;   ///< from the file, else empty
+  std::string name;                    ///< from the file, else empty
+  int assembly = -1;                   ///< index into Model::assemblies; -1: in none
   std::vector<std::string> faceNames;  ///< per face in file order; empty strings where unnamed
   std::optional<Colour> colour;        ///< from the file (STEP)
   /// Per face in file order, where its colour is not the body's; empty when no face has its own.
@@ -50,9 +58,10 @@ struct Body {
 /// What a file holds. Everything is in mm, whatever the file's unit.
 struct Model {
   std::vector<Body> bodies;
-  std::string unit = "mm";            ///< the file's own length unit
-  double unitInMm = 1;                ///< one unit of the file in mm
-  std::vector<std::string> warnings;  ///< one sentence each: what was assumed or repaired
+  std::vector<AssemblyNode> assemblies;  ///< from the file (STEP), parents first
+  std::string unit = "mm";               ///< the file's own length unit
+  double unitInMm = 1;                   ///< one unit of the file in mm
+  std::vector<std::string> warnings;     ///< one sentence each: what was assumed or repaired
 };
 
 /// Bounding box, tight to the geometry.
