@@ -7,7 +7,7 @@ namespace phront::cli {
 
 CLI::Option* addShellWish(CLI::App& command, ShellWish& wish) {
   command.add_option("--open", wish.open,
-                     "Shell: planar faces left open: F3,F7 (see info -v), name:lid*, normal:+z, "
+                     "Shell: faces left open: F3,F7 (see info -v), name:lid*, normal:+z, "
                      "area:max");
   command
       .add_option(

@@ -3,9 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <BRepAdaptor_Surface.hxx>
+#include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
 #include <cmath>
 #include <filesystem>
 #include <gp_Ax2.hxx>
@@ -208,10 +212,36 @@ TEST(Shell, TooThinToBeHollowStillGrows) {
   EXPECT_NEAR(volumeOf(shell), 6000 + 2200 * 6 + edges * pi / 4 * 36 + 4 * pi / 3 * 216, 1e-5);
 }
 
+TEST(Shell, AHoleLeftOpen) {
+  const TopoDS_Shape hole = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(20, 20, 0), gp::DZ()), 8, 20);
+  const TopoDS_Shape cut = BRepAlgoAPI_Cut(test::box(40, 40, 20), hole).Shape();
+  const Model model = modelOf(TopExp_Explorer(cut, TopAbs_SOLID).Current());
+  ShellOptions options = optionsFor(model, 1, "");
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(cut, TopAbs_FACE, faces);
+  for (int f = 0; f < faces.Extent(); ++f)
+    if (BRepAdaptor_Surface(TopoDS::Face(faces(f + 1))).GetType() == GeomAbs_Cylinder)
+      options.open = {{0, f}};
+  EXPECT_NEAR(volumeOf(shellOf(model, options)), (1600 - 64 * pi) * 20 - (38 * 38 - 64 * pi) * 18,
+              1e-5);
+}
+
+TEST(Shell, ACapOpenAtItsSphereAndAThickPlateOfIt) {
+  const TopoDS_Shape below = BRepPrimAPI_MakeBox(gp_Pnt(-20, -20, -20), gp_Pnt(20, 20, 2));
+  const TopoDS_Shape cut = BRepAlgoAPI_Cut(test::sphere(10), below).Shape();
+  const Model model = modelOf(TopExp_Explorer(cut, TopAbs_SOLID).Current());
+  const auto segment = [](double low, double high) {
+    return pi * (100 * (high - low) - (high * high * high - low * low * low) / 3);
+  };
+  ShellOptions options = optionsFor(model, 1, "area:max");
+  EXPECT_NEAR(volumeOf(shellOf(model, options)), segment(2, 3), 1e-5);
+  options.thicknessOf = {thicknessOf(model, "normal:-z", 3)};
+  EXPECT_NEAR(volumeOf(shellOf(model, options)), segment(2, 5), 1e-5);
+}
+
 TEST(Shell, RefusalsNameTheFace) {
   const Model round = modelOf(test::cylinder(10, 20));
-  ShellOptions options = optionsFor(round, 1, "area:max");
-  Result<ShellResult> made = shellModel(round, options);
+  Result<ShellResult> made = shellModel(round, optionsFor(round, 1, "area:max", ShellSide::Out));
   ASSERT_FALSE(made);
   EXPECT_EQ(made.error().code, ErrorCode::NotSupported);
   EXPECT_NE(made.error().message.find("not planar"), std::string::npos);

@@ -27,15 +27,21 @@ namespace {
 
 constexpr double kLooseKeep = 1.2e-3;  // of the wall: nearer to another face than this is cut off
 constexpr double kNearOpening = 1.5;   // walls from an opening: what lies above it is beyond
+constexpr double kPlanarity = 1e-6;    // of the diagonal
 constexpr int kPerFace = 20;
 constexpr std::uint64_t kAccuracySeed = 0x2545f4914f6cdd1d;
 constexpr std::uint64_t kCoverageSeed = 0xda942042e4dd58b5;
 
-struct OpenPlane {
+struct Opening {
+  bool planar = true;
   Vec3 point;
   Vec3 normal;  ///< out of the material
   ModelDistance face;
   [[nodiscard]] double height(const Vec3& x) const { return (x - point).dot(normal); }
+  /// How far x is from where walls end. In the plane this is also right beside the face.
+  [[nodiscard]] double off(const Vec3& x) const {
+    return planar ? std::abs(height(x)) : face.distance(x);
+  }
 };
 
 /// A body and its closed faces.
@@ -49,7 +55,7 @@ struct Parts {
   Solid in;
   std::optional<Solid> innerBase;
   std::optional<Solid> outerBase;
-  std::deque<OpenPlane> openings;  ///< a deque never moves what it holds
+  std::deque<Opening> openings;  ///< a deque never moves what it holds
   [[nodiscard]] const Solid& inner() const { return innerBase ? *innerBase : in; }
   [[nodiscard]] const Solid& outer() const { return outerBase ? *outerBase : in; }
 };
@@ -94,6 +100,7 @@ Result<Parts> takeApart(const Body& in, const std::vector<int>& open, const Wall
   auto outer = baseOf(bases.outer, mesh);
   if (!outer) return tl::unexpected(outer.error());
   Parts parts{std::move(*solid), std::move(*inner), std::move(*outer), {}};
+  const double diagonal = diagonalOf(occtShape(in.shape));
   TopTools_IndexedMapOfShape map;
   TopExp::MapShapes(occtShape(in.shape), TopAbs_FACE, map);
   for (const int f : std::set<int>(open.begin(), open.end())) {
@@ -105,7 +112,8 @@ Result<Parts> takeApart(const Body& in, const std::vector<int>& open, const Wall
     auto distance = ModelDistance::build({sheetOf({face})}, mesh, "an opening");
     if (!normal) return fail(ErrorCode::Failed, "an opening has no normal");
     if (!distance) return tl::unexpected(distance.error());
-    parts.openings.push_back({toVec3(surface.Value(middle.X(), middle.Y()).XYZ()),
+    parts.openings.push_back({isPlanar(face, kPlanarity * diagonal),
+                              toVec3(surface.Value(middle.X(), middle.Y()).XYZ()),
                               toVec3(normal->XYZ()), std::move(*distance)});
   }
   return parts;
@@ -143,10 +151,10 @@ class ShellMeasure {
     const double reach = std::max(thickest, border   ? std::max(walls.inner, walls.outer)
                                             : inside ? walls.inner
                                                      : walls.outer);
-    for (const OpenPlane& opening : parts_.openings) {
+    for (const Opening& opening : parts_.openings) {
       if (toClosed > reach + options_.tolerance) break;
       if (opening.face.distance(x) <= kNearOpening * reach)
-        elsewhere = std::min(elsewhere, std::abs(opening.height(x)));
+        elsewhere = std::min(elsewhere, opening.off(x));
     }
     return {std::min(onFarSide, elsewhere), onFarSide <= elsewhere};
   }
@@ -157,7 +165,7 @@ class ShellMeasure {
 
   double nearestOpening(const Vec3& x) const {
     double nearest = std::numeric_limits<double>::infinity();
-    for (const OpenPlane& opening : parts_.openings)
+    for (const Opening& opening : parts_.openings)
       nearest = std::min(nearest, opening.face.distance(x));
     return nearest;
   }
@@ -193,9 +201,13 @@ class ShellMeasure {
     if (closed.meshDistance(q) < wall * (1 - kLooseKeep) - 4 * closed.deflection()) return;
     if (closed.distance(q) < wall * (1 - kLooseKeep)) return;
     if (base.all.inside(q) != (side < 0)) return;
-    for (const OpenPlane& opening : parts_.openings)
-      if (opening.height(q) > -kLooseKeep * wall && opening.face.distance(q) < kNearOpening * wall)
-        return;
+    if (side < 0 && !parts_.in.all.inside(q)) return;  // the base goes on beyond openings
+    for (const Opening& opening : parts_.openings) {
+      const double near = opening.face.distance(q);
+      const bool ended =
+          opening.planar ? opening.height(q) > -kLooseKeep * wall : near < kLooseKeep * wall;
+      if (ended && near < kNearOpening * wall) return;
+    }
     miss(q, weight);
   }
 

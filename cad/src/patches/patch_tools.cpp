@@ -14,6 +14,7 @@
 #include <Geom2dAPI_Interpolate.hxx>
 #include <Geom2d_BSplineCurve.hxx>
 #include <Geom2d_Line.hxx>
+#include <GeomLib_IsPlanarSurface.hxx>
 #include <Geom_Circle.hxx>
 #include <Geom_Line.hxx>
 #include <Poly_Triangulation.hxx>
@@ -139,6 +140,10 @@ double diagonalOf(const TopoDS_Shape& shape) {
   Bnd_Box box;
   BRepBndLib::Add(shape, box, Standard_False);
   return box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
+}
+
+bool isPlanar(const TopoDS_Face& face, double tolerance) {
+  return GeomLib_IsPlanarSurface(BRep_Tool::Surface(face), tolerance).IsPlanar();
 }
 
 bool tessellates(const TopoDS_Face& face, double size) {

@@ -20,7 +20,6 @@
 #include <BRepPrimAPI_MakeRevol.hxx>
 #include <BRepPrimAPI_MakeSphere.hxx>
 #include <BRep_Tool.hxx>
-#include <GeomLib_IsPlanarSurface.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
@@ -62,12 +61,11 @@ struct OpenFace {
 
 Result<OpenFace> openFace(const EdgeTable& table, int index, int number, double diagonal) {
   const TopoDS_Face& face = table.faces[static_cast<std::size_t>(index)];
-  const GeomLib_IsPlanarSurface planar(BRep_Tool::Surface(face), kPlanarity * diagonal);
   const BRepAdaptor_Surface surface(face);
   const gp_Pnt2d middle(0.5 * (surface.FirstUParameter() + surface.LastUParameter()),
                         0.5 * (surface.FirstVParameter() + surface.LastVParameter()));
   const std::optional<gp_Vec> normal = outwardNormal(face, middle);
-  if (!planar.IsPlanar() || !normal) {
+  if (!isPlanar(face, kPlanarity * diagonal) || !normal) {
     return fail(ErrorCode::NotSupported,
                 fmt::format("face F{} is not planar: only planar faces can be left open", number));
   }

@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <BRep_Builder.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Iterator.hxx>
 #include <algorithm>
@@ -30,6 +33,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kHeight = 1.5;
 // Of the outer wall: what lies so near to a prism, beyond its opening, is cut off.
 constexpr double kBeyond = 1.5;
+constexpr double kPlanarity = 1e-6;  // of the diagonal
 constexpr double kExtendSeconds = 20;
 constexpr double kExtendMemoryMiB = 2000;
 // Shares of the time left.
@@ -91,6 +95,16 @@ Result<Extended> extend(const TopoDS_Shape& solid, const std::vector<int>& open,
   return extended;
 }
 
+std::vector<int> planarOf(const TopoDS_Shape& solid, const std::vector<int>& open) {
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(solid, TopAbs_FACE, faces);
+  const double tolerance = kPlanarity * diagonalOf(solid);
+  std::vector<int> planar;
+  for (const int f : open)
+    if (isPlanar(TopoDS::Face(faces(f + 1)), tolerance)) planar.push_back(f);
+  return planar;
+}
+
 class BodySheller {
  public:
   BodySheller(const Body& body, const ShellBodyRequest& request, const Progress& progress)
@@ -103,7 +117,9 @@ class BodySheller {
     if (!progress_.part(0, 0.05, "openings").report(0))
       return fail(ErrorCode::Cancelled, "the shell was cancelled");
     const Clock::time_point start = Clock::now();
-    const Result<Extended> extended = extend(occtShape(body_.shape), request_.open, request_);
+    const std::vector<int> planar = planarOf(occtShape(body_.shape), request_.open);
+    allPlanar_ = planar.size() == request_.open.size();
+    const Result<Extended> extended = extend(occtShape(body_.shape), planar, request_);
     if (!extended) return tl::unexpected(extended.error());
     const Result<Extended> forInner = extendedBase(request_.bases.inner, *extended);
     if (!forInner) return tl::unexpected(forInner.error());
@@ -139,7 +155,9 @@ class BodySheller {
 
   [[nodiscard]] Result<Extended> extendedBase(const std::optional<WallBase>& base,
                                               const Extended& otherwise) const {
-    return base ? extend(occtShape(base->body.shape), base->open, request_) : otherwise;
+    if (!base) return otherwise;
+    const TopoDS_Shape solid = occtShape(base->body.shape);
+    return extend(solid, planarOf(solid, base->open), request_);
   }
 
   void lap(const std::string& stage, Clock::time_point start) {
@@ -212,9 +230,9 @@ class BodySheller {
     const Clock::time_point start = Clock::now();
     const double diagonal = diagonalOf(from);
     bool accepted = false;
-    // Where only the cavity is cut out, it meets nothing but the openings.
+    // Where only the cavity is cut out, it meets nothing but the openings, all planar.
     for (const double fuzzy : kFuzzies) {
-      if (accepted || request_.walls.outer > 0) break;
+      if (accepted || request_.walls.outer > 0 || !allPlanar_) break;
       accepted = accepts(fmt::format("hollowed, fuzzy {:g}", fuzzy),
                          hollow(extended, tools, fuzzy * diagonal));
     }
@@ -291,6 +309,7 @@ class BodySheller {
   const Deadline deadline_;
   BodyShell made_;
   bool failed_ = false;
+  bool allPlanar_ = true;  ///< openings
 };
 
 }  // namespace

@@ -9,8 +9,9 @@
 namespace phront::cad {
 
 struct ShellBodyRequest {
-  std::vector<int> open;  ///< 0-based faces of the body
-  int firstNumber = 1;    ///< of the body's first face, as the user counts them
+  /// 0-based faces of the body; where one is not planar the inner base goes on beyond it.
+  std::vector<int> open;
+  int firstNumber = 1;  ///< of the body's first face, as the user counts them
   ShellWalls walls;
   WallBases bases = {};
   double tolerance = 0;  ///< mm

@@ -29,7 +29,8 @@ struct FaceThickness {
 struct ShellOptions {
   double thickness = 0;  ///< t, mm, > 0
   ShellSide side = ShellSide::In;
-  std::vector<FaceId> open = {};  ///< planar faces left open; none: a closed cavity
+  /// Faces left open; none: a closed cavity. Planes, inwards also what moveFaces() moves.
+  std::vector<FaceId> open = {};
   /// Of solids: planes, cylinders, cones, spheres, tori, as moveFaces() moves them.
   std::vector<FaceThickness> thicknessOf = {};
   /// mm, bound on the error of the thickness; default 1 % of t
@@ -60,8 +61,8 @@ struct ShellResult {
 /// too thin to be hollow stays as it is, with a warning. Sheets become the solids between their two
 /// sides; along their free edges these end straight, along the normals. Always judged; a result
 /// that fails is still returned, `accepted()` is then false. Fails with InvalidArgument,
-/// NotSupported (openings that are not planar; sheets whose faces disagree which side is out; faces
-/// that moveFaces() refuses),
+/// NotSupported (other openings; faces that moveFaces() refuses; sheets whose faces disagree which
+/// side is out),
 /// UnreadableInput, Failed, ResourceLimit, Cancelled.
 [[nodiscard]] Result<ShellResult> shellModel(const Model& model, const ShellOptions& options,
                                              const Progress& progress = {});
