@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <BRepAdaptor_Surface.hxx>
-#include <BRepGProp.hxx>
-#include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
@@ -16,6 +14,7 @@
 #include <optional>
 #include <string_view>
 
+#include "exchange/measures.h"
 #include "phront/cad/shape_occt.h"
 
 namespace phront::cad {
@@ -73,12 +72,6 @@ bool faces(const TopoDS_Face& face, const gp_Dir& axis) {
   if (!plane.Direct()) normal.Reverse();
   if (face.Orientation() == TopAbs_REVERSED) normal.Reverse();
   return normal.Angle(axis) < kNormalAngle;
-}
-
-double areaOf(const TopoDS_Face& face) {
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(face, properties);
-  return properties.Mass();
 }
 
 /// Marks what one term names; false when it is not understood.

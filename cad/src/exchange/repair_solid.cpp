@@ -10,13 +10,11 @@
 #include <BRepBuilderAPI_MakeSolid.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
-#include <BRepGProp.hxx>
 #include <BRepLib.hxx>
 #include <BRepTools_ReShape.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
-#include <GProp_GProps.hxx>
 #include <ShapeBuild_ReShape.hxx>
 #include <ShapeFix_Shape.hxx>
 #include <TopExp.hxx>
@@ -26,6 +24,8 @@
 #include <TopoDS_Solid.hxx>
 #include <algorithm>
 #include <cmath>
+
+#include "exchange/measures.h"
 
 namespace phront::cad {
 namespace {
@@ -37,12 +37,6 @@ constexpr double kHealedDiagonalChange = 1e-3;  // of the diagonal
 // Sewing distance: files without topology are mostly written to 1e-5 or 1e-6 of their size.
 constexpr double kSewShare = 1e-5;
 constexpr double kSmallestSewing = 1e-6;  // mm
-
-double volumeOf(const TopoDS_Shape& shape) {
-  GProp_GProps properties;
-  BRepGProp::VolumeProperties(shape, properties);
-  return properties.Mass();
-}
 
 TopoDS_Solid solidOf(const std::vector<FaceSet>& shells) {
   BRep_Builder builder;

@@ -69,7 +69,7 @@ bool isElementary(GeomAbs_SurfaceType type) {
 }
 
 /// By adaptive integration: the plain one is off by a thousandth on rational B-splines.
-double areaOf(const TopoDS_Face& face) {
+double accurateAreaOf(const TopoDS_Face& face) {
   constexpr double kAccuracy = 1e-5;
   GProp_GProps properties;
   BRepGProp::SurfaceProperties(face, properties, kAccuracy);
@@ -319,8 +319,8 @@ class Recogniser {
       try {
         const TopoDS_Face face = TopoDS::Face(faces_(f));
         const TopoDS_Face renewed = renewFace(face, fit);
-        const double area = areaOf(face);
-        if (std::abs(areaOf(renewed) - area) > kAreaChange * area ||
+        const double area = accurateAreaOf(face);
+        if (std::abs(accurateAreaOf(renewed) - area) > kAreaChange * area ||
             !BRepCheck_Analyzer(renewed).IsValid()) {
           bad.insert(f);
         }

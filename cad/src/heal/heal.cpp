@@ -11,10 +11,8 @@
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepCheck_Analyzer.hxx>
-#include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
 #include <GCPnts_AbscissaPoint.hxx>
-#include <GProp_GProps.hxx>
 #include <ShapeFix_Shape.hxx>
 #include <ShapeFix_Wireframe.hxx>
 #include <ShapeUpgrade_ShapeDivideClosed.hxx>
@@ -27,6 +25,7 @@
 #include <TopoDS.hxx>
 #include <cmath>
 
+#include "exchange/measures.h"
 #include "heal/canonical.h"
 
 namespace phront::cad {
@@ -37,12 +36,6 @@ constexpr double kAreaChange = 1e-4;
 
 /// Edges shorter than this share of the tolerance are dropped.
 constexpr double kSmallEdge = 0.1;
-
-double areaOf(const TopoDS_Shape& shape) {
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(shape, properties);
-  return properties.Mass();
-}
 
 /// Faces on other surfaces than planes, cylinders, cones, spheres and tori.
 int freeformFaces(const TopoDS_Shape& shape) {

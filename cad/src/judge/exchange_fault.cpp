@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 #include <vector>
 
 #include "exchange/guard.h"
@@ -79,6 +80,14 @@ std::string exchangeFault(const Model& out, const MeshSize& size) {
         return faultOf(all, solid, size);
       });
   return fault ? *fault : fault.error().message;
+}
+
+void checkExchange(const std::vector<Body>& bodies, const OffsetScale& scale, CheckResult& check) {
+  if (!check.pass()) return;
+  Model out;
+  out.bodies = bodies;
+  std::string fault = exchangeFault(out, usualMeshSize(scale));
+  if (!fault.empty()) check.reasons.push_back(std::move(fault));
 }
 
 }  // namespace phront::cad

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "judge/check_topology.h"
+#include "phront/cad/check.h"
 #include "phront/cad/shape.h"
 
 namespace phront::cad {
@@ -13,5 +15,8 @@ namespace phront::cad {
 /// tessellated), empty when nothing is. STEP carries no tolerances: edges that meet loosely in
 /// memory may not meet in the file. `size`: see usualMeshSize().
 [[nodiscard]] std::string exchangeFault(const Model& out, const MeshSize& size);
+
+/// Makes the check of an offset (or a wall) that passes fail where `bodies` do not survive that.
+void checkExchange(const std::vector<Body>& bodies, const OffsetScale& scale, CheckResult& check);
 
 }  // namespace phront::cad

@@ -7,11 +7,9 @@
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
-#include <BRepGProp.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <GCPnts_AbscissaPoint.hxx>
-#include <GProp_GProps.hxx>
 #include <ShapeFix_Shape.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
@@ -26,6 +24,7 @@
 #include <cmath>
 #include <functional>
 
+#include "exchange/measures.h"
 #include "patches/patch_tools.h"
 #include "rebuild/cells.h"
 #include "rebuild/facet_gaps.h"
@@ -60,17 +59,7 @@ TopoDS_Shape asOne(const std::vector<TopoDS_Shape>& shapes) {
 }
 
 bool hasVolume(const TopoDS_Shape& solid, double diagonal) {
-  GProp_GProps volume;
-  GProp_GProps area;
-  BRepGProp::VolumeProperties(solid, volume);
-  BRepGProp::SurfaceProperties(solid, area);
-  return volume.Mass() > kNoVolume * diagonal * area.Mass();
-}
-
-double areaOf(const TopoDS_Shape& shape) {
-  GProp_GProps area;
-  BRepGProp::SurfaceProperties(shape, area);
-  return std::abs(area.Mass());
+  return volumeOf(solid) > kNoVolume * diagonal * areaOf(solid);
 }
 
 bool hasWidth(const TopoDS_Shape& face, double area, double width) {

@@ -19,7 +19,6 @@
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
 #include "judge/check_body.h"
-#include "judge/check_topology.h"
 #include "judge/exchange_fault.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/reunite.h"
@@ -125,12 +124,8 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
     judged.check = checkBody(body, judged.bodies, options,
                              deadline.forStep(1, kLeastCheckSeconds, kCheckSeconds));
     if (!judged.check.pass()) return judged.check.sound();
-    Model out;
-    out.bodies = judged.bodies;
-    const double diagonal = phi.surface().box().diagonal().norm();
-    const MeshSize size = usualMeshSize({diagonal, options.distance, body.kind == BodyKind::Solid});
-    std::string fault = exchangeFault(out, size);
-    if (!fault.empty()) judged.check.reasons.push_back(std::move(fault));
+    checkExchange(judged.bodies, {phi.surface().box().diagonal().norm(), options.distance, solid},
+                  judged.check);
     return judged.check.pass();
   };
   TopoDS_Shape whole;

@@ -254,13 +254,7 @@ class BodyOffsetter {
     report().roundedFaces = sharpened + rounded;
     if (sharpened == 0) return;
     CheckResult check = checkBody(body_, sharp, wanted_, kCheckSeconds);
-    if (check.pass()) {
-      Model out;
-      out.bodies = sharp;
-      const double diagonal = phi.surface().box().diagonal().norm();
-      std::string fault = exchangeFault(out, usualMeshSize({diagonal, options_.distance, true}));
-      if (!fault.empty()) check.reasons.push_back(std::move(fault));
-    }
+    checkExchange(sharp, {phi.surface().box().diagonal().norm(), options_.distance, true}, check);
     clock_.lap("check");
     if (!check.pass()) {
       report().attempts.push_back("mitre: rejected: " + check.reasons.front());

@@ -6,10 +6,8 @@
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepCheck_Analyzer.hxx>
-#include <BRepGProp.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
-#include <GProp_GProps.hxx>
 #include <Geom_Line.hxx>
 #include <Geom_Plane.hxx>
 #include <Precision.hxx>
@@ -21,6 +19,7 @@
 #include <cmath>
 #include <map>
 
+#include "exchange/measures.h"
 #include "phront/fill_hole.h"
 #include "rebuild/edge_uses.h"
 #include "rebuild/fuse.h"
@@ -44,12 +43,6 @@ using Loop = std::vector<TopoDS_Edge>;  // oriented along the loop, the hole on 
 
 Vec3 toVec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 gp_Pnt toPnt(const Vec3& p) { return {p[0], p[1], p[2]}; }
-
-double areaOf(const TopoDS_Shape& shape) {
-  GProp_GProps area;
-  BRepGProp::SurfaceProperties(shape, area);
-  return std::abs(area.Mass());
-}
 
 class GapFaceter {
  public:

@@ -1,9 +1,9 @@
 #include "rebuild/folds.h"
 
 #include <BRepAdaptor_Surface.hxx>
-#include <BRepGProp.hxx>
-#include <GProp_GProps.hxx>
 #include <cmath>
+
+#include "exchange/measures.h"
 
 namespace phront::cad {
 namespace {
@@ -33,10 +33,9 @@ double shareOffFront(const std::vector<JudgedFace>& pieces, double distance,
       if (std::abs(level - std::abs(distance)) > kOff * std::abs(distance)) off += weight;
     }
     if (!(all > 0)) continue;
-    GProp_GProps properties;
-    BRepGProp::SurfaceProperties(piece.face, properties);
-    area += std::abs(properties.Mass());
-    areaOff += std::abs(properties.Mass()) * off / all;
+    const double own = areaOf(piece.face);
+    area += own;
+    areaOff += own * off / all;
   }
   return area > 0 ? areaOff / area : 0;
 }

@@ -9,9 +9,7 @@
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAlgoAPI_Defeaturing.hxx>
 #include <BRepCheck_Analyzer.hxx>
-#include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
-#include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
@@ -24,6 +22,7 @@
 #include <vector>
 
 #include "exchange/guard.h"
+#include "exchange/measures.h"
 #include "exchange/shape_bytes.h"
 #include "patches/patch_tools.h"
 #include "rebuild/mitre_cells.h"
@@ -50,18 +49,6 @@ struct Group {
   Origins origins;
   std::vector<TopoDS_Shape> faces;
 };
-
-double volumeOf(const TopoDS_Shape& shape) {
-  GProp_GProps properties;
-  BRepGProp::VolumeProperties(shape, properties);
-  return properties.Mass();
-}
-
-double areaOf(const TopoDS_Shape& shape) {
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(shape, properties);
-  return properties.Mass();
-}
 
 class MitreMaker {
  public:

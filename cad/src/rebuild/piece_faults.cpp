@@ -4,10 +4,8 @@
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepCheck_Analyzer.hxx>
-#include <BRepGProp.hxx>
 #include <BRepTools.hxx>
 #include <GCPnts_AbscissaPoint.hxx>
-#include <GProp_GProps.hxx>
 #include <Geom2d_Curve.hxx>
 #include <Precision.hxx>
 #include <TopExp.hxx>
@@ -15,6 +13,7 @@
 #include <cmath>
 #include <map>
 
+#include "exchange/measures.h"
 #include "rebuild/edge_uses.h"
 #include "rebuild/fuse.h"
 #include "rebuild/select.h"
@@ -31,12 +30,6 @@ constexpr int kEdgeSamples = 5;
 constexpr int kRounds = 6;
 
 Vec3 toVec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
-
-double areaOf(const TopoDS_Face& face) {
-  GProp_GProps area;
-  BRepGProp::SurfaceProperties(face, area);
-  return std::abs(area.Mass());
-}
 
 class PieceSorter {
  public:

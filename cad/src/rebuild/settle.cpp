@@ -3,15 +3,14 @@
 // as many edges as it closes; only a group that hangs together can go.
 #include "rebuild/settle.h"
 
-#include <BRepGProp.hxx>
 #include <BRep_Tool.hxx>
-#include <GProp_GProps.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
 
+#include "exchange/measures.h"
 #include "patches/patch_tools.h"
 
 namespace phront::cad {
@@ -58,9 +57,7 @@ class Settler {
   [[nodiscard]] bool isDoubtful(const JudgedFace& face) const {
     if (face.mixed || face.samples.empty() || face.deviation <= kDoubt * distance_) return true;
     if (face.largest > kDoubtOfSmall * distance_) return false;
-    GProp_GProps properties;
-    BRepGProp::SurfaceProperties(face.face, properties);
-    return std::abs(properties.Mass()) < kSmallArea * distance_ * distance_;
+    return areaOf(face.face) < kSmallArea * distance_ * distance_;
   }
 
   static int open(int count) { return count != 0 && count != 2 ? 1 : 0; }

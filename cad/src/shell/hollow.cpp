@@ -4,8 +4,6 @@
 #include <BRepBuilderAPI_MakeVertex.hxx>
 #include <BRepClass3d_SolidClassifier.hxx>
 #include <BRepExtrema_DistShapeShape.hxx>
-#include <BRepGProp.hxx>
-#include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_MapOfShape.hxx>
@@ -14,6 +12,7 @@
 #include <algorithm>
 
 #include "exchange/face_set.h"
+#include "exchange/measures.h"
 #include "patches/patch_tools.h"
 #include "rebuild/fuse.h"
 #include "rebuild/select.h"
@@ -90,9 +89,7 @@ class Hollower {
     int outer = 0;
     for (const FaceSet& component : componentsOf(all)) {
       const TopoDS_Shell shell = shellOf(component);
-      GProp_GProps properties;
-      BRepGProp::VolumeProperties(shell, properties);
-      const bool voids = properties.Mass() < 0;
+      const bool voids = volumeOf(shell) < 0;
       if (!voids) ++outer;
       solid.Add(shell);
     }

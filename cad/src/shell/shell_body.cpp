@@ -16,6 +16,7 @@
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
 #include "judge/check_body.h"
+#include "judge/exchange_fault.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/attempt_runner.h"
@@ -282,7 +283,7 @@ class BodySheller {
     std::vector<Body> bodies = bodiesOf(wall, BodyKind::Solid, body_.name);
     judge(bodies);
     CheckResult& check = report().check;
-    checkExchange(bodies, diagonalOf(wall), request_.walls.thickness(), check);
+    checkExchange(bodies, {diagonalOf(wall), request_.walls.thickness(), true}, check);
     if (made_.bodies.empty() || check.pass()) made_.bodies = std::move(bodies);
     if (!check.pass()) return false;
     report().kind = report().facetedFaces > 0 ? OffsetKind::Faceted : OffsetKind::Exact;

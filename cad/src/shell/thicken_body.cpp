@@ -13,6 +13,7 @@
 #include "heal/heal.h"
 #include "judge/check_body.h"
 #include "judge/check_thick.h"
+#include "judge/exchange_fault.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/attempt_runner.h"
@@ -193,7 +194,7 @@ class SheetThickener {
     options.timeLimit = deadline_.forStep(1, kLeastSeconds, kMostCheckSeconds);
     const Result<CheckResult> measured = checkThickSheet(sheet_, bodies, options);
     CheckResult check = measured ? *measured : failedCheck(measured.error().message);
-    checkExchange(bodies, diagonal_, request_.walls.thickness(), check);
+    checkExchange(bodies, {diagonal_, request_.walls.thickness(), true}, check);
     return check;
   }
 

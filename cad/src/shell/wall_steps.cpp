@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "judge/check_body.h"
-#include "judge/exchange_fault.h"
 #include "rebuild/body_offset.h"
 
 namespace phront::cad {
@@ -32,16 +31,6 @@ Result<std::optional<std::vector<Body>>> offsetSide(const Body& body, const Side
   report.facetedFaces += offset->report.facetedFaces;
   report.setting = offset->report.setting;
   return std::optional(std::move(offset->bodies));
-}
-
-void checkExchange(const std::vector<Body>& bodies, double diagonal, double thickness,
-                   CheckResult& check) {
-  if (!check.pass()) return;
-  Model out;
-  out.bodies = bodies;
-  if (std::string fault = exchangeFault(out, usualMeshSize({diagonal, thickness, true}));
-      !fault.empty())
-    check.reasons.push_back(std::move(fault));
 }
 
 }  // namespace phront::cad

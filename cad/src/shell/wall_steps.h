@@ -1,4 +1,4 @@
-// Steps that hollowing and thickening share: the offset of a side, and what a file makes of it all.
+// What hollowing and thickening share: the offset of a side.
 #pragma once
 
 #include <optional>
@@ -23,9 +23,5 @@ struct SideRequest {
                                                                   const ShellBodyRequest& request,
                                                                   const Progress& progress,
                                                                   BodyShell& made);
-
-/// Makes the check of `bodies` fail where they do not survive a file. `diagonal`, `thickness`: mm.
-void checkExchange(const std::vector<Body>& bodies, double diagonal, double thickness,
-                   CheckResult& check);
 
 }  // namespace phront::cad
