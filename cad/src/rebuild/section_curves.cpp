@@ -9,6 +9,8 @@
 #include <BOPDS_Interf.hxx>
 #include <BOPDS_VectorOfCurve.hxx>
 #include <BOPDS_VectorOfInterfFF.hxx>
+#include <BOPTools_AlgoTools2D.hxx>
+#include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRep_Tool.hxx>
 #include <BndLib_Add3dCurve.hxx>
 #include <Bnd_Box.hxx>
@@ -35,6 +37,8 @@
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 namespace {
@@ -208,6 +212,13 @@ class SectionCurve {
   }
 
   void replace(IntTools_Curve curve, double tolerance) {
+    if (double from = 0, to = 0; curve.HasBounds()) {
+      gp_Pnt atFrom;
+      gp_Pnt atTo;
+      curve.Bounds(from, to, atFrom, atTo);
+      curve.SetCurves(curve.Curve(), imageFor(0, curve.Curve(), curve.FirstCurve2d(), from, to),
+                      imageFor(1, curve.Curve(), curve.SecondCurve2d(), from, to));
+    }
     curve.SetTolerance(tolerance);
     curve.SetTangentialTolerance(std::min(curve.TangentialTolerance(), tolerance));
     section_.SetCurve(curve);
@@ -220,6 +231,31 @@ class SectionCurve {
     curve.Bounds(first, last, from, to);
     BndLib_Add3dCurve::Add(GeomAdaptor_Curve(curve.Curve(), first, last), tolerance, box);
     section_.SetBox(box);
+  }
+
+  /// Images that are missing OpenCASCADE makes itself; where it cannot, it gives up all faces.
+  [[nodiscard]] Handle(Geom2d_Curve)
+      imageFor(std::size_t f, const Handle(Geom_Curve) & curve, const Handle(Geom2d_Curve) & image,
+               double first, double last) const {
+    if (!image.IsNull()) return image;
+    try {
+      const TopoDS_Edge edge = BRepBuilderAPI_MakeEdge(curve, first, last).Edge();
+      Handle(Geom2d_Curve) made;
+      double reached = 0;
+      BOPTools_AlgoTools2D::CurveOnSurface(edge, faces_[f], made, reached);
+      return {};
+    } catch (const Standard_Failure&) {
+    }
+    ShapeAnalysis_Surface surface(BRep_Tool::Surface(faces_[f]));
+    std::vector<gp_Pnt2d> points;
+    std::vector<double> parameters;
+    for (int i = 0; i <= kSamples; ++i) {
+      parameters.push_back(std::lerp(first, last, static_cast<double>(i) / kSamples));
+      const gp_Pnt p = curve->Value(parameters.back());
+      points.push_back(i == 0 ? surface.ValueOfUV(p, Precision::Confusion())
+                              : surface.NextValueOfUV(points.back(), p, Precision::Confusion()));
+    }
+    return pcurveThrough(points, parameters);
   }
 
   BOPDS_Curve& section_;
