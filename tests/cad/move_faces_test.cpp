@@ -193,6 +193,17 @@ TEST(MoveFaces, APlaneCutsTheFilletsRoundIt) {
   EXPECT_NE(refusal(model, {{top, 1}}), "");
 }
 
+TEST(MoveFaces, AVoidStaysWhereItIs) {
+  const Model model =
+      modelOf(BRepAlgoAPI_Cut(box(20, 20, 20), transformed(box(6, 6, 6), shift(7, 7, 7))));
+  const Result<std::vector<FaceId>> up = selectFaces(model, "normal:+z");
+  ASSERT_TRUE(up && up->size() == 2);
+  for (const FaceId& face : *up) {
+    const double more = volumeAfter(model, {{face, 2}}, 12) - volumeOf(model);
+    EXPECT_LT(std::min(std::abs(more - 2 * 400), std::abs(more - 2 * 36)), 1e-6);
+  }
+}
+
 TEST(MoveFaces, RefusesWhatCannotBe) {
   const Model model = modelOf(box(10, 20, 30));
   const FaceId top = faceOf(model, "normal:+z");

@@ -129,14 +129,17 @@ class TrueOffset {
   [[nodiscard]] double reach(const Vec3& q) const { return in_.distance(q); }
   [[nodiscard]] bool kept(double reach) const { return reach >= bound(kLooseKeep); }
   [[nodiscard]] bool firm(double reach) const { return reach >= bound(kFirmKeep); }
-  /// How far OUT misses q. Where an edge of IN lies off its faces, q is farther than |d| from IN,
-  /// and as much off the true offset, too. Corners of a mitre may cover q.
-  [[nodiscard]] double missed(const Vec3& q, double reach, const ModelDistance& out) const {
+  /// How far OUT misses q, a point above a face or edge of `body`. Where an edge of IN lies off its
+  /// faces, q is farther than |d| from IN, and as much off the true offset, too. Corners of a mitre
+  /// may cover q.
+  [[nodiscard]] double missed(const Vec3& q, double reach, std::size_t body,
+                              const ModelDistance& out) const {
     const double error =
         std::max(0.0, out.distance(q) - std::max(0.0, reach - std::abs(distance_)));
     if (error <= kLooseKeep * std::abs(distance_)) return error;
-    // In a narrow groove q may lie behind the other wall, as far from it as from its own.
-    if (!rightSide(q)) return 0;
+    // In a narrow groove q may lie behind the other wall, as far from it as from its own. In
+    // another body it counts: where bodies touch, each has its own surface.
+    if (in_.isSolid(body) && in_.inside(body, q) != (distance_ < 0)) return 0;
     const bool covered = mitre_ && mitre_->holds(q) && out.inside(q) == (distance_ > 0);
     return covered ? 0 : error;
   }
@@ -159,12 +162,13 @@ class CoverageTally {
       : out_(out), options_(options) {}
 
   /// Returns the distance to OUT (0 without one).
-  double add(const Vec3& q, double reach, const TrueOffset& offset, double weight) {
+  double add(const Vec3& q, double reach, std::size_t body, const TrueOffset& offset,
+             double weight) {
     if (figures.kept == 0) figures.anyKept = q;
     ++figures.kept;
     if (offset.firm(reach)) ++figures.firm;
     if (out_ == nullptr) return 0;
-    const double error = offset.missed(q, reach, *out_);
+    const double error = offset.missed(q, reach, body, *out_);
     errors_.add(error, weight);
     raise(error, q);
     return error;
@@ -201,7 +205,7 @@ double tallyFaces(const std::vector<SurfaceSample>& samples, const TrueOffset& o
     const double reach = offset.reach(q);
     if (!offset.kept(reach)) continue;
     kept += s.weight;
-    seeds.push_back({s, tally.add(q, reach, offset, s.weight)});
+    seeds.push_back({s, tally.add(q, reach, s.body, offset, s.weight)});
   }
   return kept;
 }
@@ -226,7 +230,7 @@ std::vector<Scored> tallySamples(const ModelDistance& in, const TrueOffset& offs
       if (!offset.mayBeKept(c.point)) continue;
       const double reach = offset.reach(c.point);
       if (offset.kept(reach) && offset.rightSide(c.point)) {
-        tally.add(c.point, reach, offset, c.weight);
+        tally.add(c.point, reach, b, offset, c.weight);
       }
     }
   }
@@ -256,7 +260,7 @@ void searchUncovered(const ModelDistance& in, const ModelDistance& out, const Tr
     const Vec3 q = offset.of(suspect.sample);
     const double reach = offset.reach(q);
     if (!offset.kept(reach)) continue;
-    const double error = offset.missed(q, reach, out);
+    const double error = offset.missed(q, reach, suspect.sample.body, out);
     tally.raise(error, q);
     seeds.push_back({suspect.sample, error});
   }
@@ -265,7 +269,7 @@ void searchUncovered(const ModelDistance& in, const ModelDistance& out, const Tr
     const Vec3 q = offset.of(s);
     if (!offset.mayBeKept(q)) return 0.0;
     const double reach = offset.reach(q);
-    return offset.kept(reach) ? offset.missed(q, reach, out) : 0.0;
+    return offset.kept(reach) ? offset.missed(q, reach, s.body, out) : 0.0;
   };
   if (!seeds.empty()) {
     const Scored top = climbAll(in, seeds, uncovered, rng);
@@ -281,7 +285,7 @@ void searchUncovered(const ModelDistance& in, const ModelDistance& out, const Tr
       if (out.meshDistance(c.point) <= floor || !offset.mayBeKept(c.point)) continue;
       const double reach = offset.reach(c.point);
       if (!offset.kept(reach) || !offset.rightSide(c.point)) continue;
-      tally.raise(offset.missed(c.point, reach, out), c.point);
+      tally.raise(offset.missed(c.point, reach, b, out), c.point);
       if (tally.figures.max > options.maxTolerance) return;
     }
   }

@@ -135,11 +135,15 @@ double ModelDistance::meshDistance(const Vec3& x) const {
 }
 
 bool ModelDistance::inside(const Vec3& x) const {
-  for (const Part& part : parts_) {
-    if (!part.solid || !part.distance.surface().box().contains(x)) continue;
-    if (std::abs(part.distance.surface().windingNumber(x)) > 0.5) return true;
-  }
+  for (std::size_t b = 0; b < parts_.size(); ++b)
+    if (inside(b, x)) return true;
   return false;
+}
+
+bool ModelDistance::inside(std::size_t body, const Vec3& x) const {
+  const Part& part = parts_[body];
+  return part.solid && part.distance.surface().box().contains(x) &&
+         std::abs(part.distance.surface().windingNumber(x)) > 0.5;
 }
 
 double ModelDistance::winding(const Vec3& x) const {

@@ -62,11 +62,13 @@ class ModelDistance {
   [[nodiscard]] double distance(const Vec3& x) const;      ///< to the exact shape, >= 0
   [[nodiscard]] double meshDistance(const Vec3& x) const;  ///< to the triangles, >= 0
   [[nodiscard]] bool inside(const Vec3& x) const;          ///< inside any solid, by winding number
+  [[nodiscard]] bool inside(std::size_t body, const Vec3& x) const;  ///< inside that one, a solid
   /// Do solids overlap at this triangle, themselves or one another: is its outer side inside one,
   /// or its inner side inside two? False on sheets.
   [[nodiscard]] bool buried(std::size_t body, Index triangle) const;
 
   [[nodiscard]] std::size_t bodyCount() const { return parts_.size(); }
+  [[nodiscard]] bool isSolid(std::size_t i) const { return parts_[i].solid; }
   [[nodiscard]] const TrueDistance& body(std::size_t i) const { return parts_[i].distance; }
   [[nodiscard]] const TopoDS_Shape& shape(std::size_t i) const { return parts_[i].shape; }
   [[nodiscard]] bool hasSolids() const { return hasSolids_; }

@@ -27,7 +27,6 @@ namespace {
 
 constexpr double kLooseKeep = 1.2e-3;  // of the wall: nearer to another face than this is cut off
 constexpr double kNearOpening = 1.5;   // walls from an opening: what lies above it is beyond
-constexpr double kPlanarity = 1e-6;    // of the diagonal
 constexpr int kPerFace = 20;
 constexpr std::uint64_t kAccuracySeed = 0x2545f4914f6cdd1d;
 constexpr std::uint64_t kCoverageSeed = 0xda942042e4dd58b5;
@@ -112,7 +111,7 @@ Result<Parts> takeApart(const Body& in, const std::vector<int>& open, const Wall
     auto distance = ModelDistance::build({sheetOf({face})}, mesh, "an opening");
     if (!normal) return fail(ErrorCode::Failed, "an opening has no normal");
     if (!distance) return tl::unexpected(distance.error());
-    parts.openings.push_back({isPlanar(face, kPlanarity * diagonal),
+    parts.openings.push_back({isPlanar(face, diagonal),
                               toVec3(surface.Value(middle.X(), middle.Y()).XYZ()),
                               toVec3(normal->XYZ()), std::move(*distance)});
   }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <TopoDS_Shape.hxx>
+#include <cstddef>
 #include <vector>
 
 #include "phront/status.h"
@@ -16,6 +17,8 @@ struct GroupMove {
   std::vector<int> faces;    ///< 0-based, of the solid
   double distance = 0;       ///< mm, along the outward normal
   std::vector<int> numbers;  ///< per face of the solid: what sentences call it
+
+  [[nodiscard]] int numberOf(int face) const { return numbers[static_cast<std::size_t>(face)]; }
 };
 
 struct MovedSolid {

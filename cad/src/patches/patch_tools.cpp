@@ -142,8 +142,9 @@ double diagonalOf(const TopoDS_Shape& shape) {
   return box.IsVoid() ? 0 : std::sqrt(box.SquareExtent());
 }
 
-bool isPlanar(const TopoDS_Face& face, double tolerance) {
-  return GeomLib_IsPlanarSurface(BRep_Tool::Surface(face), tolerance).IsPlanar();
+bool isPlanar(const TopoDS_Face& face, double diagonal) {
+  constexpr double kPlanarity = 1e-6;
+  return GeomLib_IsPlanarSurface(BRep_Tool::Surface(face), kPlanarity * diagonal).IsPlanar();
 }
 
 bool tessellates(const TopoDS_Face& face, double size) {

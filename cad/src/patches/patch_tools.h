@@ -32,8 +32,8 @@ inline constexpr double kAngularTolerance = 1e-6;
 /// Diagonal of the bounding box.
 [[nodiscard]] double diagonalOf(const TopoDS_Shape& shape);
 
-/// Whether the face's surface is a plane within `tolerance` (mm).
-[[nodiscard]] bool isPlanar(const TopoDS_Face& face, double tolerance);
+/// Whether the face's surface is a plane, to 1e-6 of `diagonal` (mm), that of the part.
+[[nodiscard]] bool isPlanar(const TopoDS_Face& face, double diagonal);
 
 /// False when OpenCASCADE's mesher gives up on the face, for lengths of the order of `size` (mm).
 [[nodiscard]] bool tessellates(const TopoDS_Face& face, double size);

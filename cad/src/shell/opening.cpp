@@ -65,7 +65,7 @@ Result<OpenFace> openFace(const EdgeTable& table, int index, int number, double 
   const gp_Pnt2d middle(0.5 * (surface.FirstUParameter() + surface.LastUParameter()),
                         0.5 * (surface.FirstVParameter() + surface.LastVParameter()));
   const std::optional<gp_Vec> normal = outwardNormal(face, middle);
-  if (!isPlanar(face, kPlanarity * diagonal) || !normal) {
+  if (!isPlanar(face, diagonal) || !normal) {
     return fail(ErrorCode::NotSupported,
                 fmt::format("face F{} is not planar: only planar faces can be left open", number));
   }

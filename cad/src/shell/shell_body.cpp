@@ -34,7 +34,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kHeight = 1.5;
 // Of the outer wall: what lies so near to a prism, beyond its opening, is cut off.
 constexpr double kBeyond = 1.5;
-constexpr double kPlanarity = 1e-6;  // of the diagonal
 constexpr double kExtendSeconds = 20;
 constexpr double kExtendMemoryMiB = 2000;
 // Shares of the time left.
@@ -99,10 +98,10 @@ Result<Extended> extend(const TopoDS_Shape& solid, const std::vector<int>& open,
 std::vector<int> planarOf(const TopoDS_Shape& solid, const std::vector<int>& open) {
   TopTools_IndexedMapOfShape faces;
   TopExp::MapShapes(solid, TopAbs_FACE, faces);
-  const double tolerance = kPlanarity * diagonalOf(solid);
+  const double diagonal = diagonalOf(solid);
   std::vector<int> planar;
   for (const int f : open)
-    if (isPlanar(TopoDS::Face(faces(f + 1)), tolerance)) planar.push_back(f);
+    if (isPlanar(TopoDS::Face(faces(f + 1)), diagonal)) planar.push_back(f);
   return planar;
 }
 
