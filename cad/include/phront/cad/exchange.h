@@ -26,7 +26,8 @@ struct ReadOptions {
 /// with a hostile file (exception, signal, endless recursion, hang, output) ends as an Error.
 /// The format follows the content where it is plain (a STEP file named .igs is read as STEP, with a
 /// warning), else the extension. Lengths arrive in mm. Bodies are placed; Model::assemblies tells
-/// how they hang together; faces without a solid are sewn; closed shells become solids with positive volume.
+/// how they hang together. Faces without a solid are sewn; closed shells become solids with
+/// positive volume.
 /// Fails with UnreadableInput or ResourceLimit, one sentence that names the trouble.
 [[nodiscard]] Result<Model> readModel(const std::filesystem::path& path,
                                       const ReadOptions& options = {});

@@ -62,8 +62,7 @@ struct ShellResult {
 /// sides; along their free edges these end straight, along the normals. Always judged; a result
 /// that fails is still returned, `accepted()` is then false. Fails with InvalidArgument,
 /// NotSupported (other openings; faces that moveFaces() refuses; sheets whose faces disagree which
-/// side is out),
-/// UnreadableInput, Failed, ResourceLimit, Cancelled.
+/// side is out), UnreadableInput, Failed, ResourceLimit, Cancelled.
 [[nodiscard]] Result<ShellResult> shellModel(const Model& model, const ShellOptions& options,
                                              const Progress& progress = {});
 
