@@ -27,6 +27,7 @@
 #include "move/extended_faces.h"
 #include "patches/edge_table.h"
 #include "patches/patch_tools.h"
+#include "rebuild/cells.h"
 #include "rebuild/select.h"
 
 namespace phront::cad {
@@ -56,7 +57,7 @@ class GroupMover {
     cells.SetIntersect(true);
     cells.Perform();
     if (cells.HasErrors()) return cannotMove(move_, "nothing closes there");
-    const TopoDS_Shape whole = skinOf(cells);
+    const TopoDS_Shape whole = wholeOf(cells);
     if (whole.IsNull()) return cannotMove(move_, "its neighbours do not meet it there");
     return traced(united(whole, cells));
   }
@@ -93,7 +94,7 @@ class GroupMover {
   }
 
   /// The solid of the cells that belong to it; null when it does not close.
-  [[nodiscard]] TopoDS_Shape skinOf(BOPAlgo_MakerVolume& cells) const {
+  [[nodiscard]] TopoDS_Shape wholeOf(BOPAlgo_MakerVolume& cells) const {
     TopTools_MapOfShape beside;  // pieces of the faces that move
     for (const int index : move_.faces) {
       const TopoDS_Face& face = table_.faces[static_cast<std::size_t>(index)];
@@ -101,9 +102,7 @@ class GroupMover {
       for (const TopoDS_Shape& piece : cells.Modified(face)) beside.Add(piece);
     }
     BRepClass3d_SolidClassifier inSolid(solid_);
-    TopTools_IndexedMapOfShape faces;
-    std::vector<TopoDS_Face> asUsed;
-    std::vector<int> uses;
+    std::vector<TopoDS_Shape> chosen;
     bool changed = false;
     for (TopExp_Explorer it(cells.Shape(), TopAbs_SOLID); it.More(); it.Next()) {
       const TopoDS_Shape& cell = it.Current();
@@ -119,20 +118,10 @@ class GroupMover {
         belongs = !belongs;
         changed = true;
       }
-      if (!belongs) continue;
-      for (const TopoDS_Face& wall : walls) {
-        if (wall.Orientation() != TopAbs_FORWARD && wall.Orientation() != TopAbs_REVERSED) continue;
-        const auto f = static_cast<std::size_t>(faces.Add(wall));
-        if (uses.size() < f) {
-          uses.push_back(0);
-          asUsed.push_back(wall);
-        }
-        ++uses[f - 1];
-      }
+      if (belongs) chosen.push_back(cell);
     }
     TopTools_ListOfShape skin;
-    for (std::size_t f = 0; f < uses.size(); ++f)
-      if (uses[f] == 1) skin.Append(asUsed[f]);
+    for (const TopoDS_Face& face : skinOf(chosen)) skin.Append(face);
     if (!changed || skin.IsEmpty()) return {};
     BOPAlgo_MakerVolume whole;
     whole.SetArguments(skin);

@@ -4,8 +4,10 @@
 
 #include <BOPAlgo_MakerVolume.hxx>
 #include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
+#include <TopoDS.hxx>
 
 namespace phront::cad {
 
@@ -30,6 +32,36 @@ std::vector<TopoDS_Shape> cellsOf(const std::vector<TopoDS_Shape>& faces) {
   maker.Perform();
   if (maker.HasErrors()) return {};
   return partsOf(maker.Shape(), TopAbs_SOLID);
+}
+
+std::vector<TopoDS_Face> wallsOf(const TopoDS_Shape& cell) {
+  std::vector<TopoDS_Face> walls;
+  for (TopExp_Explorer it(cell, TopAbs_FACE); it.More(); it.Next()) {
+    const TopAbs_Orientation side = it.Current().Orientation();
+    if (side == TopAbs_FORWARD || side == TopAbs_REVERSED)
+      walls.push_back(TopoDS::Face(it.Current()));
+  }
+  return walls;
+}
+
+std::vector<TopoDS_Face> skinOf(const std::vector<TopoDS_Shape>& cells) {
+  TopTools_IndexedMapOfShape faces;
+  std::vector<TopoDS_Face> asUsed;
+  std::vector<int> uses;
+  for (const TopoDS_Shape& cell : cells) {
+    for (const TopoDS_Face& wall : wallsOf(cell)) {
+      const auto f = static_cast<std::size_t>(faces.Add(wall));
+      if (uses.size() < f) {
+        uses.push_back(0);
+        asUsed.push_back(wall);
+      }
+      ++uses[f - 1];
+    }
+  }
+  std::vector<TopoDS_Face> skin;
+  for (std::size_t f = 0; f < uses.size(); ++f)
+    if (uses[f] == 1) skin.push_back(asUsed[f]);
+  return skin;
 }
 
 }  // namespace phront::cad

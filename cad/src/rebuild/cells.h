@@ -2,6 +2,7 @@
 #pragma once
 
 #include <TopAbs_ShapeEnum.hxx>
+#include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
 #include <vector>
 
@@ -13,5 +14,11 @@ namespace phront::cad {
 /// Every solid that the faces enclose, oriented outwards, with its voids. May throw or hang with
 /// OpenCASCADE.
 [[nodiscard]] std::vector<TopoDS_Shape> cellsOf(const std::vector<TopoDS_Shape>& faces);
+
+/// Faces that bound the cell; others end inside of it.
+[[nodiscard]] std::vector<TopoDS_Face> wallsOf(const TopoDS_Shape& cell);
+
+/// What bounds the cells together: faces that bound exactly one of them, as that cell has them.
+[[nodiscard]] std::vector<TopoDS_Face> skinOf(const std::vector<TopoDS_Shape>& cells);
 
 }  // namespace phront::cad

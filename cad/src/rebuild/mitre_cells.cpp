@@ -12,15 +12,14 @@
 #include <Precision.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
-#include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
 #include <cmath>
-#include <map>
 
 #include "patches/patch_tools.h"
+#include "rebuild/cells.h"
 #include "rebuild/select.h"
 
 namespace phront::cad {
@@ -51,17 +50,6 @@ TopTools_ListOfShape withExtendedFaces(const TopoDS_Shape& solid,
     faces.Append(extended);
   }
   return faces;
-}
-
-/// Faces that bound the cell; others end inside of it.
-std::vector<TopoDS_Face> wallsOf(const TopoDS_Shape& cell) {
-  std::vector<TopoDS_Face> walls;
-  for (TopExp_Explorer it(cell, TopAbs_FACE); it.More(); it.Next()) {
-    const TopAbs_Orientation side = it.Current().Orientation();
-    if (side == TopAbs_FORWARD || side == TopAbs_REVERSED)
-      walls.push_back(TopoDS::Face(it.Current()));
-  }
-  return walls;
 }
 
 class CellChooser {
@@ -112,23 +100,11 @@ TopoDS_Shape mitreOfCells(const TopoDS_Shape& solid, const std::vector<TopoDS_Sh
   if (cells.HasErrors()) return {};
 
   const CellChooser chooser(distance, phi);
-  TopTools_IndexedMapOfShape faces;
-  std::vector<TopoDS_Face> outside;  // a face with one cell of the mitre, as that cell has it
-  std::vector<int> uses;
-  for (TopExp_Explorer cell(cells.Shape(), TopAbs_SOLID); cell.More(); cell.Next()) {
-    if (!chooser.belongs(cell.Current())) continue;
-    for (const TopoDS_Face& face : wallsOf(cell.Current())) {
-      const auto f = static_cast<std::size_t>(faces.Add(face));
-      if (uses.size() < f) {
-        uses.push_back(0);
-        outside.push_back(face);
-      }
-      ++uses[f - 1];
-    }
-  }
+  std::vector<TopoDS_Shape> chosen;
+  for (TopExp_Explorer cell(cells.Shape(), TopAbs_SOLID); cell.More(); cell.Next())
+    if (chooser.belongs(cell.Current())) chosen.push_back(cell.Current());
   TopTools_ListOfShape skin;
-  for (std::size_t f = 0; f < uses.size(); ++f)
-    if (uses[f] == 1) skin.Append(outside[f]);
+  for (const TopoDS_Face& face : skinOf(chosen)) skin.Append(face);
   if (skin.IsEmpty()) return {};
   BOPAlgo_MakerVolume whole;
   whole.SetArguments(skin);
