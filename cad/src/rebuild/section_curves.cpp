@@ -212,23 +212,18 @@ class SectionCurve {
   }
 
   void replace(IntTools_Curve curve, double tolerance) {
-    if (double from = 0, to = 0; curve.HasBounds()) {
-      gp_Pnt atFrom;
-      gp_Pnt atTo;
-      curve.Bounds(from, to, atFrom, atTo);
-      curve.SetCurves(curve.Curve(), imageFor(0, curve.Curve(), curve.FirstCurve2d(), from, to),
-                      imageFor(1, curve.Curve(), curve.SecondCurve2d(), from, to));
-    }
-    curve.SetTolerance(tolerance);
-    curve.SetTangentialTolerance(std::min(curve.TangentialTolerance(), tolerance));
-    section_.SetCurve(curve);
-    section_.SetTolerance(tolerance);
-    Bnd_Box box;
     double first = 0;
     double last = 0;
     gp_Pnt from;
     gp_Pnt to;
     curve.Bounds(first, last, from, to);
+    curve.SetCurves(curve.Curve(), imageFor(0, curve.Curve(), curve.FirstCurve2d(), first, last),
+                    imageFor(1, curve.Curve(), curve.SecondCurve2d(), first, last));
+    curve.SetTolerance(tolerance);
+    curve.SetTangentialTolerance(std::min(curve.TangentialTolerance(), tolerance));
+    section_.SetCurve(curve);
+    section_.SetTolerance(tolerance);
+    Bnd_Box box;
     BndLib_Add3dCurve::Add(GeomAdaptor_Curve(curve.Curve(), first, last), tolerance, box);
     section_.SetBox(box);
   }

@@ -38,9 +38,9 @@ std::vector<FaceId> curvedOpenings(const Model& model, const ShellOptions& optio
 
 /// The part with faces moved by what their walls on one side are thicker than the others'.
 /// `share`: of all walls on that side; `outwards`: the side. Inwards it goes on beyond openings
-/// that are not planar: its neighbours are the walls that the cavity ends at there.
-Result<MovedModel> baseModel(const Model& model, const ShellOptions& options, double share,
-                             bool outwards) {
+/// that are not planar (`curved`): its neighbours are the walls that the cavity ends at there.
+Result<MovedModel> baseModel(const Model& model, const ShellOptions& options,
+                             const std::vector<FaceId>& curved, double share, bool outwards) {
   std::vector<FaceMove> moves;
   double thickest = options.thickness;
   for (const FaceThickness& own : options.thicknessOf) {
@@ -48,10 +48,17 @@ Result<MovedModel> baseModel(const Model& model, const ShellOptions& options, do
     moves.push_back({own.face, outwards ? more : -more});
     thickest = std::max(thickest, own.thickness);
   }
-  if (outwards) return moveFaces(model, moves);
-  for (const FaceId& id : curvedOpenings(model, options))
-    moves.push_back({id, kBeyondOpening * thickest});
+  if (!outwards)
+    for (const FaceId& id : curved) moves.push_back({id, kBeyondOpening * thickest});
   return moveFaces(model, moves);
+}
+
+/// Whether any face of the body moves.
+bool hasOwnBase(const ShellOptions& options, const std::vector<FaceId>& curved, std::size_t body) {
+  return std::any_of(curved.begin(), curved.end(),
+                     [&](const FaceId& id) { return id.body == body; }) ||
+         std::any_of(options.thicknessOf.begin(), options.thicknessOf.end(),
+                     [&](const FaceThickness& own) { return own.face.body == body; });
 }
 
 }  // namespace
@@ -87,7 +94,8 @@ Result<std::vector<WallBases>> wallBasesOf(const Model& model, const ShellOption
   for (const bool outwards : {false, true}) {
     const double wall = outwards ? walls.outer : walls.inner;
     if (wall == 0) continue;
-    Result<MovedModel> moved = baseModel(model, options, wall / options.thickness, outwards);
+    Result<MovedModel> moved =
+        baseModel(model, options, curved, wall / options.thickness, outwards);
     if (!moved) {
       Error error = moved.error();
       if (!curved.empty())
@@ -97,6 +105,7 @@ Result<std::vector<WallBases>> wallBasesOf(const Model& model, const ShellOption
       return tl::unexpected(error);
     }
     for (std::size_t b = 0; b < all.size(); ++b) {
+      if (!hasOwnBase(options, curved, b)) continue;
       const std::vector<int> open = openFacesOf(options, b);
       WallBase base{std::move(moved->model.bodies[b]), {}};
       const std::vector<int>& origins = moved->origins[b];

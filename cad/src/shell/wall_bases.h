@@ -14,9 +14,9 @@ namespace phront::cad {
 /// 0-based, of the body with this index.
 [[nodiscard]] std::vector<int> openFacesOf(const ShellOptions& options, std::size_t body);
 
-/// For every body: with the faces moved that have a thickness of their own, and inwards going on
-/// beyond openings that are not planar. Fails as moveFaces(), and with NotSupported for openings
-/// that are not planar where there is a wall outside.
+/// For every body that needs one: with the faces moved that have a thickness of their own, and
+/// inwards going on beyond openings that are not planar. Fails as moveFaces(), and with
+/// NotSupported for openings that are not planar where there is a wall outside.
 [[nodiscard]] Result<std::vector<WallBases>> wallBasesOf(const Model& model,
                                                          const ShellOptions& options);
 
