@@ -2,6 +2,7 @@
 #include "rebuild/exact_offset.h"
 
 #include <gtest/gtest.h>
+#include <BRepAdaptor_Surface.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -23,13 +24,17 @@
 #include <TopoDS.hxx>
 #include <gp.hxx>
 #include <gp_Ax2.hxx>
+#include <gp_Trsf.hxx>
 
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 
 #include "heal/heal.h"
 #include "patches/patch_tools.h"
 #include "patches/raw_complex.h"
+#include "phront/cad/exchange.h"
+#include "phront/cad/offset_shape.h"
 #include "rebuild/assemble.h"
 #include "rebuild/select.h"
 #include "solids.h"
@@ -329,6 +334,42 @@ TEST(ExactOffset, PatchesOfConvexSolidsLieOnTheOffset) {
     EXPECT_EQ(countOpenEdges(result->shape), 0);
     EXPECT_EQ(result->keptFaces, result->rawFaces);
   }
+}
+
+// Mirrored parts have left-handed surfaces. The hole of this torus closes, so that its offset is
+// written as an offset surface.
+TEST(Heal, TurnsTheSurfacesOfMirroredParts) {
+  const TopoDS_Shape ring = test::torus(10, 9);
+  gp_Trsf mirror;
+  mirror.SetMirror(gp_Ax2(gp_Pnt(0, 0, -5), gp::DZ()));
+  const TopoDS_Shape mirrored = test::transformed(ring, mirror);
+  const auto leftHanded = [](const TopoDS_Shape& shape) {
+    int count = 0;
+    for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
+      const BRepAdaptor_Surface surface(TopoDS::Face(f.Current()));
+      if (surface.GetType() == GeomAbs_Torus && !surface.Torus().Position().Direct()) ++count;
+    }
+    return count;
+  };
+  ASSERT_GT(leftHanded(mirrored), 0);
+  const TopoDS_Shape healed = heal(mirrored, {.tolerance = 1e-4}).shape;
+  EXPECT_EQ(leftHanded(healed), 0);
+  EXPECT_TRUE(BRepCheck_Analyzer(healed).IsValid());
+  EXPECT_NEAR(volumeOf(healed), volumeOf(ring), 1e-6 * volumeOf(ring));
+
+  Model model;
+  model.bodies.push_back(test::solidBody(mirrored));
+  OffsetOptions options;
+  options.distance = 2;
+  const auto offset = offsetModel(model, options);
+  ASSERT_TRUE(offset) << offset.error().message;
+  EXPECT_TRUE(offset->report.check.pass());
+  const auto path = std::filesystem::path(::testing::TempDir()) / "mirrored.step";
+  ASSERT_TRUE(writeModel(offset->model, path));
+  const auto back = readModel(path);
+  ASSERT_TRUE(back) << back.error().message;
+  const auto volume = [](const Model& m) { return volumeOf(occtShape(m.bodies.front().shape)); };
+  EXPECT_NEAR(volume(*back), volume(offset->model), 1e-6 * volume(offset->model));
 }
 
 TEST(ExactOffset, RefusesNonsense) {

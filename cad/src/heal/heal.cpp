@@ -1,7 +1,8 @@
 // Offsetting asks more of a shape than validity does. C0 B-splines have no offset surface: they are
 // divided where they are not C1. A closed face or a closed edge meets itself at its seam, where the
 // images of its two sides are different curves: both are cut in halves. Faces on one surface
-// may be merged first, which takes away the seams between them.
+// may be merged first, which takes away the seams between them. A mirrored part has left-handed
+// surfaces; no file format has them, and their offset surfaces would be written to the other side.
 // Weak spot: a division that OpenCASCADE gets wrong is seen only by area and validity.
 #include "heal/heal.h"
 
@@ -13,6 +14,9 @@
 #include <BRepCheck_Analyzer.hxx>
 #include <BRep_Tool.hxx>
 #include <GCPnts_AbscissaPoint.hxx>
+#include <Geom_ElementarySurface.hxx>
+#include <Geom_RectangularTrimmedSurface.hxx>
+#include <ShapeCustom.hxx>
 #include <ShapeFix_Shape.hxx>
 #include <ShapeFix_Wireframe.hxx>
 #include <ShapeUpgrade_ShapeDivideClosed.hxx>
@@ -122,6 +126,20 @@ TopoDS_Shape dropSmallEdges(const TopoDS_Shape& shape, double length) {
   return fix.FixSmallEdges() ? fix.Shape() : shape;
 }
 
+bool hasLeftHandedSurfaces(const TopoDS_Shape& shape) {
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  for (int i = 1; i <= faces.Extent(); ++i) {
+    Handle(Geom_Surface) surface = BRep_Tool::Surface(TopoDS::Face(faces(i)));
+    if (const auto trimmed = Handle(Geom_RectangularTrimmedSurface)::DownCast(surface);
+        !trimmed.IsNull())
+      surface = trimmed->BasisSurface();
+    const auto elementary = Handle(Geom_ElementarySurface)::DownCast(surface);
+    if (!elementary.IsNull() && !elementary->Position().Direct()) return true;
+  }
+  return false;
+}
+
 TopoDS_Shape unify(const TopoDS_Shape& shape) {
   ShapeUpgrade_UnifySameDomain unifier(shape, Standard_True, Standard_True, Standard_False);
   unifier.Build();
@@ -160,6 +178,8 @@ HealedShape heal(const TopoDS_Shape& body, const HealOptions& options) {
     apply(healed, "removal of small edges",
           [&](const TopoDS_Shape& s) { return dropSmallEdges(s, small); });
   }
+  if (hasLeftHandedSurfaces(healed.shape))
+    apply(healed, "turning left-handed surfaces", ShapeCustom::DirectFaces);
   if (options.unify) apply(healed, "merging faces", unify);
   apply(healed, "division at kinks",
         [&](const TopoDS_Shape& s) { return divideContinuity(s, options.tolerance); });

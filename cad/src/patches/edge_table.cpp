@@ -59,6 +59,20 @@ void sampleEdge(EdgeInfo& info, const TopoDS_Face& face1, const TopoDS_Face& fac
   }
 }
 
+std::vector<std::vector<int>> edgesAtVertices(const EdgeTable& table) {
+  std::vector<std::vector<int>> result(static_cast<std::size_t>(table.vertexIndex.Extent()));
+  for (std::size_t e = 0; e < table.edges.size(); ++e) {
+    TopoDS_Vertex ends[2];
+    TopExp::Vertices(table.edges[e].edge, ends[0], ends[1]);
+    for (int k = 0; k < 2; ++k) {
+      if (ends[k].IsNull() || (k == 1 && ends[1].IsSame(ends[0]))) continue;
+      result[static_cast<std::size_t>(table.vertexIndex.FindIndex(ends[k]) - 1)].push_back(
+          static_cast<int>(e));
+    }
+  }
+  return result;
+}
+
 }  // namespace
 
 EdgeTable makeEdgeTable(const TopoDS_Shape& shape, double side, double smoothAngle) {
@@ -95,6 +109,7 @@ EdgeTable makeEdgeTable(const TopoDS_Shape& shape, double side, double smoothAng
     info.pipe = convex >= smoothAngle;
     table.edges.push_back(info);
   }
+  table.edgesAt = edgesAtVertices(table);
   return table;
 }
 

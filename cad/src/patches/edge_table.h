@@ -35,8 +35,9 @@ struct EdgeTable {
   TopTools_IndexedMapOfShape faceIndex;  ///< 1-based, same order
   TopTools_IndexedMapOfShape edgeIndex;
   TopTools_IndexedMapOfShape vertexIndex;
-  std::vector<EdgeInfo> edges;  ///< order of edgeIndex
-  int nonManifold = 0;          ///< edges with more than two faces
+  std::vector<EdgeInfo> edges;            ///< order of edgeIndex
+  std::vector<std::vector<int>> edgesAt;  ///< by vertex (0-based): indices into `edges`
+  int nonManifold = 0;                    ///< edges with more than two faces
 };
 
 /// `side` +1: the offset lies on the side of the outward normals; -1: on the other.

@@ -48,6 +48,15 @@ PatchSide arcSide(const TopoDS_Edge& arc, const TopoDS_Vertex& from, const gp_Pn
 
 }  // namespace
 
+bool PipeFrame::runsAlong() const {
+  const auto runs = [](const TopoDS_Edge& image, const TopoDS_Vertex& from,
+                       const TopoDS_Vertex& to) {
+    return !image.IsNull() && !from.IsNull() && !to.IsNull() &&
+           TopExp::FirstVertex(image).IsSame(from) && TopExp::LastVertex(image).IsSame(to);
+  };
+  return runs(image1, first1, last1) && runs(image2, first2, last2);
+}
+
 std::optional<std::vector<TopoDS_Face>> linePipe(const PipeFrame& frame, ArcPool& arcs) {
   const EdgeInfo& info = *frame.info;
   const BRepAdaptor_Curve curve(info.edge);

@@ -23,6 +23,9 @@ struct PipeFrame {
   TopoDS_Vertex first2;
   TopoDS_Vertex last1;
   TopoDS_Vertex last2;
+
+  /// Whether both images are there and run as the edge does.
+  [[nodiscard]] bool runsAlong() const;
 };
 
 /// Piece of a cylinder round a straight edge with constant normals; nullopt when it is not one.

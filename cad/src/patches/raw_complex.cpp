@@ -8,12 +8,16 @@
 #include <BRep_Tool.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
+#include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "patches/edge_table.h"
+#include "patches/mouth_pipes.h"
 #include "patches/offset_face.h"
 #include "patches/patch_tools.h"
 #include "patches/pipe.h"
+#include "patches/rims.h"
 #include "patches/sphere_patch.h"
 
 namespace phront::cad {
@@ -27,10 +31,11 @@ TopoDS_Edge imageOf(const std::vector<FaceImage>& images, int face, int edge) {
 
 class Builder {
  public:
-  Builder(const TopoDS_Shape& shape, const RawOptions& options)
+  Builder(const DividedRims& divided, const RawOptions& options)
       : options_(options),
         radius_(std::abs(options.distance)),
-        table_(makeEdgeTable(shape, options.distance > 0 ? 1 : -1, options.smoothAngle)),
+        tips_(divided.tips),
+        table_(makeEdgeTable(divided.shape, options.distance > 0 ? 1 : -1, options.smoothAngle)),
         vertices_(table_, options.distance, options.smoothAngle) {}
 
   RawComplex run() {
@@ -41,11 +46,11 @@ class Builder {
       raw_.faces.insert(raw_.faces.end(), image.pieces.begin(), image.pieces.end());
       if (image.face.IsNull() && !image.dead && !image.inPieces) ++raw_.missing;
     }
+    addMouths();
     for (std::size_t e = 0; e < table_.edges.size(); ++e) {
       if (table_.edges[e].pipe) addPipe(static_cast<int>(e));
     }
-    const std::vector<std::vector<int>> edgesAt = edgesAtVertices(table_);
-    for (std::size_t v = 0; v < edgesAt.size(); ++v) addSphere(static_cast<int>(v), edgesAt[v]);
+    for (std::size_t v = 0; v < table_.edgesAt.size(); ++v) addSphere(static_cast<int>(v));
     settleTolerances(raw_.faces);
     if (table_.nonManifold > 0) {
       raw_.notes.push_back(std::to_string(table_.nonManifold) +
@@ -59,20 +64,48 @@ class Builder {
   }
 
  private:
-  void addPipe(int e) {
+  [[nodiscard]] PipeFrame frameOf(int e) const {
     const EdgeInfo& info = table_.edges[static_cast<std::size_t>(e)];
     TopoDS_Vertex first;
     TopoDS_Vertex last;
     TopExp::Vertices(info.edge, first, last);
-    const PipeFrame frame{&info,
-                          radius_,
-                          options_.tolerance,
-                          imageOf(images_, info.face1, e),
-                          imageOf(images_, info.face2, e),
-                          vertices_.image(first, info.face1, e),
-                          vertices_.image(first, info.face2, e),
-                          vertices_.image(last, info.face1, e),
-                          vertices_.image(last, info.face2, e)};
+    return {&info,
+            radius_,
+            options_.tolerance,
+            imageOf(images_, info.face1, e),
+            imageOf(images_, info.face2, e),
+            vertices_.image(first, info.face1, e),
+            vertices_.image(first, info.face2, e),
+            vertices_.image(last, info.face1, e),
+            vertices_.image(last, info.face2, e)};
+  }
+
+  /// The pipes of narrow mouths. Where there are none such the edges get their pipes one by one.
+  void addMouths() {
+    for (const RimTips& tips : tips_) {
+      const std::optional<std::pair<RimHalf, RimHalf>> halves = rimHalves(table_, tips);
+      if (!halves) continue;
+      const auto framesOf = [&](const RimHalf& half) {
+        std::vector<MouthEdge> edges;
+        for (const RimEdge& use : half) edges.push_back({frameOf(use.edge), use.forward});
+        return edges;
+      };
+      try {
+        const std::vector<TopoDS_Face> faces =
+            mouthPipes(framesOf(halves->first), framesOf(halves->second), arcs_);
+        if (faces.empty()) continue;
+        raw_.faces.insert(raw_.faces.end(), faces.begin(), faces.end());
+        for (const RimHalf& half : {halves->first, halves->second})
+          for (const RimEdge& use : half) inMouth_.insert(use.edge);
+      } catch (const Standard_Failure&) {
+        // Then one by one.
+      }
+    }
+  }
+
+  void addPipe(int e) {
+    if (inMouth_.count(e) > 0) return;
+    const PipeFrame frame = frameOf(e);
     try {
       std::optional<std::vector<TopoDS_Face>> faces = linePipe(frame, arcs_);
       if (!faces) faces = circlePipe(frame, arcs_, apices_);
@@ -90,10 +123,11 @@ class Builder {
     ++raw_.missing;
   }
 
-  void addSphere(int v, const std::vector<int>& edges) {
+  void addSphere(int v) {
     try {
       const TopoDS_Face face =
-          spherePatch(table_, edges, vertices_, v, openedAt(v), radius_, options_.tolerance, arcs_);
+          spherePatch(table_, table_.edgesAt[static_cast<std::size_t>(v)], vertices_, v,
+                      openedAt(v), radius_, options_.tolerance, arcs_);
       if (!face.IsNull()) raw_.faces.push_back(face);
     } catch (const Standard_Failure&) {
       ++lostSpheres_;
@@ -114,11 +148,13 @@ class Builder {
 
   RawOptions options_;
   double radius_;
+  std::vector<RimTips> tips_;
   EdgeTable table_;
   VertexImages vertices_;
   std::vector<FaceImage> images_;
   ArcPool arcs_;
   PointPool apices_;
+  std::set<int> inMouth_;  ///< edges that have their pipes
   RawComplex raw_;
   int lostPipes_ = 0;
   int lostSpheres_ = 0;
@@ -127,7 +163,7 @@ class Builder {
 }  // namespace
 
 RawComplex buildRawComplex(const TopoDS_Shape& healed, const RawOptions& options) {
-  return Builder(healed, options).run();
+  return Builder(divideRims(healed, options.distance, options.smoothAngle), options).run();
 }
 
 }  // namespace phront::cad

@@ -279,20 +279,6 @@ Outline polarOutline(const std::vector<Ray>& rays, const VertexImages& images, i
 
 }  // namespace
 
-std::vector<std::vector<int>> edgesAtVertices(const EdgeTable& table) {
-  std::vector<std::vector<int>> result(static_cast<std::size_t>(table.vertexIndex.Extent()));
-  for (std::size_t e = 0; e < table.edges.size(); ++e) {
-    TopoDS_Vertex ends[2];
-    TopExp::Vertices(table.edges[e].edge, ends[0], ends[1]);
-    for (int k = 0; k < 2; ++k) {
-      if (ends[k].IsNull() || (k == 1 && ends[1].IsSame(ends[0]))) continue;
-      result[static_cast<std::size_t>(table.vertexIndex.FindIndex(ends[k]) - 1)].push_back(
-          static_cast<int>(e));
-    }
-  }
-  return result;
-}
-
 TopoDS_Face spherePatch(const EdgeTable& table, const std::vector<int>& edges,
                         const VertexImages& images, int vertex,
                         const std::vector<TopoDS_Edge>& opened, double radius, double tolerance,

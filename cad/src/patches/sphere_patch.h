@@ -18,7 +18,4 @@ namespace phront::cad {
                                       const std::vector<TopoDS_Edge>& opened, double radius,
                                       double tolerance, ArcPool& arcs);
 
-/// Edges at each vertex, by index into EdgeTable::edges.
-[[nodiscard]] std::vector<std::vector<int>> edgesAtVertices(const EdgeTable& table);
-
 }  // namespace phront::cad
