@@ -15,6 +15,7 @@
 #include <GProp_GProps.hxx>
 #include <Geom_Circle.hxx>
 #include <Geom_ToroidalSurface.hxx>
+#include <ShapeAnalysis_ShapeTolerance.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <cmath>
@@ -417,6 +418,34 @@ TEST_F(Exchange, ArcsThatPassZeroComeBackTheSame) {
     const TopoDS_Shape& read = occtShape(back->bodies.front().shape);
     EXPECT_NEAR(areaOf(read), areaOf(face), 1e-4) << name;
     EXPECT_TRUE(BRepCheck_Analyzer(read).IsValid()) << name;
+  }
+}
+
+// A file may claim a tolerance far above what there is; what really is apart keeps it and is told.
+TEST_F(Exchange, OverstatedTolerancesAreLowered) {
+  const TopoDS_Shape solid = BRepBuilderAPI_Copy(BRepPrimAPI_MakeCylinder(10, 20).Solid()).Shape();
+  for (TopExp_Explorer e(solid, TopAbs_EDGE); e.More(); e.Next())
+    BRep_Builder().UpdateEdge(TopoDS::Edge(e.Current()), 1.0);
+  const TopoDS_Vertex apart = TopoDS::Vertex(firstOf(solid, TopAbs_VERTEX));
+  const double gap = 0.5;
+  for (const bool real : {false, true}) {
+    const gp_Pnt at = BRep_Tool::Pnt(apart).Translated(gp_Vec(real ? gap : 0, 0, 0));
+    BRep_Builder().UpdateVertex(apart, at, 1.0);
+    Model model;
+    model.bodies.push_back(bodyOf(solid, "pin"));
+    ASSERT_TRUE(writeModel(model, path("pin.brep")));
+    const Result<Model> back = readModel(path("pin.brep"));
+    ASSERT_TRUE(back) << back.error().message;
+    const TopoDS_Shape& read = occtShape(back->bodies.front().shape);
+    EXPECT_TRUE(BRepCheck_Analyzer(read).IsValid());
+    const double largest = ShapeAnalysis_ShapeTolerance().Tolerance(read, 1);
+    if (real) {
+      EXPECT_GE(largest, gap);
+      EXPECT_LT(largest, 1.2 * gap);
+    } else {
+      EXPECT_LT(largest, 1e-6);
+    }
+    EXPECT_EQ(back->warnings.size(), real ? 1U : 0U);
   }
 }
 

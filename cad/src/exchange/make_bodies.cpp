@@ -16,6 +16,7 @@
 #include <cmath>
 
 #include "exchange/repair_solid.h"
+#include "exchange/tolerances.h"
 #include "phront/cad/shape_occt.h"
 
 namespace phront::cad {
@@ -207,17 +208,21 @@ class BodyMaker {
     }
   }
 
-  // Edges and vertices that miss each other by a large tolerance: a warning, or refusal.
+  // Edges and vertices that miss each other by a large tolerance: a warning, or refusal. Files also
+  // claim more than there is: that is lowered first.
   void checkTolerance(const TopoDS_Shape& shape, const std::string& name) {
-    ShapeAnalysis_ShapeTolerance analysis;
-    const double tolerance = analysis.Tolerance(shape, 1);
+    const auto largest = [&] { return ShapeAnalysis_ShapeTolerance().Tolerance(shape, 1); };
     Bnd_Box quick;  // too large by the tolerance itself; the tight one takes seconds on freeform
     BRepBndLib::Add(shape, quick, Standard_False);
     if (quick.IsVoid()) return;
     const double quickDiagonal = quick.CornerMin().Distance(quick.CornerMax());
-    if (tolerance < kQuickLook * kLargeTolerance * quickDiagonal) return;
+    if (largest() < kQuickLook * kLargeTolerance * quickDiagonal) return;
     const double diagonal = boxDiagonal(shape);
-    if (!(tolerance > kLargeTolerance * diagonal)) return;
+    const double limit = kLargeTolerance * diagonal;
+    if (!(largest() > limit)) return;
+    lowerTolerances(shape, limit);
+    const double tolerance = largest();
+    if (!(tolerance > limit)) return;
     const std::string who = label(model_.bodies.size(), name);
     if (tolerance > kAbsurdTolerance * diagonal) {
       defect_ = fmt::format(

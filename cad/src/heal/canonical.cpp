@@ -43,6 +43,7 @@
 #include <set>
 #include <vector>
 
+#include "exchange/tolerances.h"
 #include "heal/elementary_fit.h"
 #include "patches/patch_tools.h"
 

@@ -23,6 +23,7 @@
 #include <gp_Sphere.hxx>
 #include <gp_Torus.hxx>
 
+#include "exchange/tolerances.h"
 #include "patches/axis_trim.h"
 #include "patches/open_pole.h"
 #include "patches/patch_tools.h"

@@ -2,6 +2,7 @@
 // curve); the parameter curve on a new face is then a straight segment over the same range, and the
 // distance between the two is measured and written into the tolerances instead of being assumed.
 #include "patches/patch_tools.h"
+#include "exchange/tolerances.h"
 
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBndLib.hxx>
@@ -163,64 +164,6 @@ TopoDS_Vertex makeVertex(const gp_Pnt& point, double tolerance) {
   TopoDS_Vertex vertex;
   BRep_Builder().MakeVertex(vertex, point, tolerance);
   return vertex;
-}
-
-double raiseTolerance(const TopoDS_Edge& edge, const TopoDS_Face& face) {
-  constexpr int kSamples = 23;
-  double first = 0;
-  double last = 0;
-  TopLoc_Location location;
-  const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, location, first, last);
-  double first2d = 0;
-  double last2d = 0;
-  const Handle(Geom2d_Curve) pcurve = BRep_Tool::CurveOnSurface(edge, face, first2d, last2d);
-  if (curve.IsNull() || pcurve.IsNull()) return 0;
-  const BRepAdaptor_Surface surface(face, Standard_False);
-  double worst = 0;
-  for (int i = 0; i < kSamples; ++i) {
-    const double s = static_cast<double>(i) / (kSamples - 1);
-    const gp_Pnt2d uv = pcurve->Value(first2d + s * (last2d - first2d));
-    gp_Pnt onCurve = curve->Value(first + s * (last - first));
-    onCurve.Transform(location.Transformation());
-    worst = std::max(worst, onCurve.Distance(surface.Value(uv.X(), uv.Y())));
-  }
-  // Between the samples the distance may be a little larger.
-  const double tolerance = std::max(1.1 * worst, Precision::Confusion());
-  const BRep_Builder builder;
-  builder.UpdateEdge(edge, tolerance);
-  for (TopoDS_Iterator it(edge); it.More(); it.Next()) {
-    builder.UpdateVertex(TopoDS::Vertex(it.Value()), tolerance);
-  }
-  return worst;
-}
-
-void settleTolerances(const std::vector<TopoDS_Face>& faces) {
-  const BRep_Builder builder;
-  for (const TopoDS_Face& face : faces) {
-    const BRepAdaptor_Surface surface(face, Standard_False);
-    for (const TopoDS_Edge& use : edgesOf(face)) {
-      const TopoDS_Edge edge = TopoDS::Edge(use.Oriented(TopAbs_FORWARD));
-      if (BRep_Tool::Degenerated(edge)) continue;
-      raiseTolerance(edge, face);
-      TopoDS_Vertex ends[2];
-      TopExp::Vertices(edge, ends[0], ends[1]);
-      double range3d[2];
-      double range2d[2];
-      const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, range3d[0], range3d[1]);
-      const Handle(Geom2d_Curve) pcurve =
-          BRep_Tool::CurveOnSurface(edge, face, range2d[0], range2d[1]);
-      for (int k = 0; k < 2; ++k) {
-        if (ends[k].IsNull()) continue;
-        const gp_Pnt vertex = BRep_Tool::Pnt(ends[k]);
-        double gap = curve.IsNull() ? 0 : vertex.Distance(curve->Value(range3d[k]));
-        if (!pcurve.IsNull()) {
-          const gp_Pnt2d uv = pcurve->Value(range2d[k]);
-          gap = std::max(gap, vertex.Distance(surface.Value(uv.X(), uv.Y())));
-        }
-        builder.UpdateVertex(ends[k], std::max(1.01 * gap, Precision::Confusion()));
-      }
-    }
-  }
 }
 
 TopoDS_Vertex PointPool::at(const gp_Pnt& point, double tolerance) {

@@ -41,15 +41,6 @@ inline constexpr double kAngularTolerance = 1e-6;
 /// Vertex as a point.
 [[nodiscard]] TopoDS_Vertex makeVertex(const gp_Pnt& point, double tolerance);
 
-/// Largest distance between the edge's curve and its parameter curve on the face; the edge's and
-/// its vertices' tolerances are raised to it.
-double raiseTolerance(const TopoDS_Edge& edge, const TopoDS_Face& face);
-
-/// Measures every edge against its faces and every vertex against its edges and faces, and raises
-/// their tolerances to it. For faces built one by one on shared edges: a later one may have changed
-/// what an earlier one was measured with.
-void settleTolerances(const std::vector<TopoDS_Face>& faces);
-
 /// Straight line from a to b in (u,v) over the parameters [first, last].
 [[nodiscard]] Handle(Geom2d_Curve)
     straightPcurve(const gp_Pnt2d& a, const gp_Pnt2d& b, double first, double last);

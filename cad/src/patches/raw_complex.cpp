@@ -12,6 +12,7 @@
 #include <cmath>
 #include <set>
 
+#include "exchange/tolerances.h"
 #include "patches/edge_table.h"
 #include "patches/mouth_pipes.h"
 #include "patches/offset_face.h"

@@ -10,6 +10,7 @@
 // Poles that open give the loop sides of their own. Weak spot: where one is at a mixed vertex there
 // is no patch.
 #include "patches/sphere_patch.h"
+#include "exchange/tolerances.h"
 
 #include <BRepTools.hxx>
 #include <BRep_Builder.hxx>

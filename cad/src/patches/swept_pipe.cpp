@@ -12,6 +12,7 @@
 #include <TopoDS.hxx>
 #include <algorithm>
 
+#include "exchange/tolerances.h"
 #include "patches/pipe.h"
 #include "patches/swept_surface.h"
 

@@ -20,6 +20,7 @@
 #include <map>
 
 #include "exchange/measures.h"
+#include "exchange/tolerances.h"
 #include "phront/fill_hole.h"
 #include "rebuild/edge_uses.h"
 #include "rebuild/fuse.h"

@@ -27,6 +27,7 @@
 #include <map>
 #include <optional>
 
+#include "exchange/tolerances.h"
 #include "patches/patch_tools.h"
 #include "rebuild/edge_uses.h"
 

@@ -27,6 +27,7 @@
 #include <cmath>
 #include <gp_Pln.hxx>
 
+#include "exchange/tolerances.h"
 #include "patches/patch_tools.h"
 
 namespace phront::cad {
