@@ -6,7 +6,6 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -22,7 +21,7 @@ constexpr double kSolved = 1;        // tolerances: the two pipes meet
 constexpr double kInertia = 1e-2;    // of |d|, for a strip's length, at first: see solve
 constexpr double kClear = 5;         // tolerances: nearer to a rim than |d| by more is on no offset
 constexpr double kTipsAgree = 1e-2;  // of |d|: the tip as either half has it
-constexpr double kLongestStep = 0.1;
+constexpr double kLongestStep = 0.1;  // of [0, 1]
 constexpr double kBeyond = 0.05;     // of a strip: the other's surface may be needed so far past it
 constexpr double kSamePlace = 1e-3;  // of a strip: so near its end is at it
 
@@ -115,42 +114,53 @@ class Ridge {
     return false;
   }
 
-  /// On the section through the middle of the first half, where it comes nearer than |d| to the
-  /// middle of the other, or to the nearest point of it, which is ill determined where that half
-  /// curves about it.
-  [[nodiscard]] std::optional<RidgePoint> start() const {
-    const double s = middleOf(a_);
-    const std::size_t i = stripOf(s, a_);
-    const double f = s - static_cast<double>(i);
-    for (const bool toMiddle : {true, false}) {
-      const auto nearest = [&](const gp_Pnt& p) {
-        std::pair<double, double> best{std::numeric_limits<double>::infinity(), 0};
-        const double middle = middleOf(b_);
-        for (std::size_t j = 0; j < b_.size(); ++j) {
-          const auto offset = static_cast<double>(j);
-          auto [distance, along] = b_[j].nearest(p);
-          if (toMiddle) {
-            if (stripOf(middle, b_) != j) continue;
-            along = middle - offset;
-            distance = p.Distance(b_[j].sections().section(b_[j].parameter(along)).centre);
-          }
-          if (distance < best.first) best = {distance, offset + along};
-        }
-        return best;
-      };
-      double far = 0;
-      double near = 1;
-      for (int k = 0; k < kHalvings; ++k) {
-        const double share = (far + near) / 2;
-        (nearest(a_[i].onSection(f, share)).first >= d_ ? far : near) = share;
-      }
-      RidgePoint p;
-      p.s = s;
-      p.point = a_[i].onSection(f, far);
-      p.otherS = nearest(p.point).second;
-      if (solve(p, i, stripOf(p.otherS, b_))) return p;
+  /// A place on the other half and how far away it is.
+  struct Nearest {
+    double distance = std::numeric_limits<double>::infinity();
+    double otherS = 0;
+  };
+
+  [[nodiscard]] Nearest nearestOf(const gp_Pnt& p) const {
+    Nearest best;
+    for (std::size_t j = 0; j < b_.size(); ++j) {
+      const auto [distance, f] = b_[j].nearest(p);
+      if (distance < best.distance) best = {distance, static_cast<double>(j) + f};
     }
-    return std::nullopt;
+    return best;
+  }
+
+  [[nodiscard]] Nearest middleAsNearest(const gp_Pnt& p) const {
+    const double s = middleOf(b_);
+    const std::size_t j = stripOf(s, b_);
+    const double t = b_[j].parameter(s - static_cast<double>(j));
+    return {p.Distance(b_[j].sections().section(t).centre), s};
+  }
+
+  /// On the section through the middle of the first half, where it comes nearer than |d| to the
+  /// other.
+  template <class NearestTo>
+  [[nodiscard]] std::optional<RidgePoint> startBy(NearestTo&& nearest) const {
+    RidgePoint p;
+    p.s = middleOf(a_);
+    const std::size_t i = stripOf(p.s, a_);
+    const double f = p.s - static_cast<double>(i);
+    double far = 0;
+    double near = 1;
+    for (int k = 0; k < kHalvings; ++k) {
+      const double share = (far + near) / 2;
+      (nearest(a_[i].onSection(f, share)).distance >= d_ ? far : near) = share;
+    }
+    p.point = a_[i].onSection(f, far);
+    p.otherS = nearest(p.point).otherS;
+    if (!solve(p, i, stripOf(p.otherS, b_))) return std::nullopt;
+    return p;
+  }
+
+  /// The nearest point is ill determined where the other half curves about it, so that its middle
+  /// is tried first.
+  [[nodiscard]] std::optional<RidgePoint> start() const {
+    const auto byMiddle = startBy([&](const gp_Pnt& p) { return middleAsNearest(p); });
+    return byMiddle ? byMiddle : startBy([&](const gp_Pnt& p) { return nearestOf(p); });
   }
 
   /// From `middle` towards the tip at s = `end`, without it.
@@ -284,23 +294,33 @@ class Ridge {
       }
       points[static_cast<std::size_t>(k)] = p;
     }
-    const auto solved = [](const std::optional<RidgePoint>& p) { return p.has_value(); };
-    const auto first = std::find_if(points.begin(), points.end(), solved);
-    const auto last = std::find_if(points.rbegin(), points.rend(), solved).base();
-    const int lost = from && to ? 0 : static_cast<int>(kUnsolved * kFine);
-    if (first - points.begin() > (from ? 0 : lost) || points.end() - last > (to ? 0 : lost))
-      return std::nullopt;
-    if (std::any_of(first, last, [](const auto& p) { return !p.has_value(); })) return std::nullopt;
-    for (auto it = first; it != last; ++it) piece.points.push_back(**it);
-    const auto grows = [](const RidgePoint& p, const RidgePoint& q) {
-      return p.s >= q.s || p.otherS >= q.otherS;
-    };
-    if (piece.points.size() < 3 ||
-        std::adjacent_find(piece.points.begin(), piece.points.end(), grows) != piece.points.end())
-      return std::nullopt;
+    std::optional<std::vector<RidgePoint>> run = growingRun(points, !from, !to);
+    if (!run) return std::nullopt;
+    piece.points = std::move(*run);
     if (!from && !addTip(piece, 0)) return std::nullopt;
     if (!to && !addTip(piece, static_cast<double>(a_.size()))) return std::nullopt;
     return piece;
+  }
+
+  /// All the points; next to tips some may be missing. nullopt when others are, or when the places
+  /// do not grow.
+  static std::optional<std::vector<RidgePoint>> growingRun(
+      const std::vector<std::optional<RidgePoint>>& points, bool tipFirst, bool tipLast) {
+    const auto solved = [](const std::optional<RidgePoint>& p) { return p.has_value(); };
+    const auto first = std::find_if(points.begin(), points.end(), solved);
+    const auto last = std::find_if(points.rbegin(), points.rend(), solved).base();
+    const auto dispensable = [](bool tip) { return tip ? static_cast<int>(kUnsolved * kFine) : 0; };
+    if (first - points.begin() > dispensable(tipFirst) ||
+        points.end() - last > dispensable(tipLast) || !std::all_of(first, last, solved))
+      return std::nullopt;
+    std::vector<RidgePoint> run;
+    for (auto it = first; it != last; ++it) run.push_back(**it);
+    const auto stalls = [](const RidgePoint& p, const RidgePoint& q) {
+      return p.s >= q.s || p.otherS >= q.otherS;
+    };
+    if (run.size() < 3 || std::adjacent_find(run.begin(), run.end(), stalls) != run.end())
+      return std::nullopt;
+    return run;
   }
 
   /// In [0, 1]; closer together towards tips.

@@ -53,7 +53,7 @@ struct Fold {
   double angle = 0;
 };
 
-/// At kPlaces + 1 places; empty when it does not fold at all of them.
+/// At kPlaces + 1 places; empty unless it folds at each of them.
 std::vector<Fold> foldsOf(const EdgeInfo& info, double radius) {
   if (info.samples.size() < 2 || !info.pipe) return {};
   const BRepAdaptor_Curve curve(info.edge);
