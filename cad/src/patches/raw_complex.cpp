@@ -8,7 +8,6 @@
 #include <BRep_Tool.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
-#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -164,7 +163,13 @@ class Builder {
 }  // namespace
 
 RawComplex buildRawComplex(const TopoDS_Shape& healed, const RawOptions& options) {
-  return Builder(divideRims(healed, options.distance, options.smoothAngle), options).run();
+  DividedRims divided{healed, {}};
+  try {
+    divided = divideRims(healed, options.distance, options.smoothAngle);
+  } catch (const Standard_Failure&) {
+    // Undivided: the pipes round narrow mouths are then left to General Fuse.
+  }
+  return Builder(divided, options).run();
 }
 
 }  // namespace phront::cad
