@@ -132,6 +132,9 @@ TEST(DivideRims, TipsLieWhereTheRidgeEnds) {
       const auto table = makeEdgeTable(divided.shape, 1, kSmoothAngle);
       EXPECT_TRUE(rimHalves(table, tips));
     }
+    const DividedRims without = divideRims(shape, 2, kSmoothAngle, {1});
+    EXPECT_EQ(without.tips.size(), 3U);
+    for (const RimTips& tips : without.tips) EXPECT_NE(tips.rim, 1U);
   }
 }
 

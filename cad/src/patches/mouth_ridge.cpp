@@ -22,8 +22,9 @@ constexpr double kInertia = 1e-2;    // of |d|, for a strip's length, at first: 
 constexpr double kClear = 5;         // tolerances: nearer to a rim than |d| by more is on no offset
 constexpr double kTipsAgree = 1e-2;  // of |d|: the tip as either half has it
 constexpr double kLongestStep = 0.1;  // of [0, 1]
-constexpr double kBeyond = 0.05;     // of a strip: the other's surface may be needed so far past it
-constexpr double kSamePlace = 1e-3;  // of a strip: so near its end is at it
+constexpr double kBeyond = 0.05;    // of a strip: the other's surface may be needed so far past it
+constexpr double kShortest = 1e-3;  // of |d|: a shorter piece is but a point, as on a circle
+constexpr double kNearEnd = 0.02;   // of a strip
 
 Eigen::Vector3d toEigen(const gp_XYZ& p) { return {p.X(), p.Y(), p.Z()}; }
 
@@ -224,6 +225,17 @@ class Ridge {
     return p;
   }
 
+  /// To the end of the other half's strip nearby, if it is as good a place: then both halves pass
+  /// from one strip to the next there.
+  void moveToEnd(RidgePoint& p) const {
+    const double end = std::round(p.otherS);
+    if (std::abs(p.otherS - end) > kNearEnd || end < 1 || end > static_cast<double>(b_.size()) - 1)
+      return;
+    const MouthStrip& strip = b_[static_cast<std::size_t>(end)];
+    const double gap = strip.value(0, strip.across(0, p.point)).Distance(p.point);
+    if (gap < kSolved * strip.frame().tolerance) p.otherS = end;
+  }
+
   /// Where the ridge passes from one strip to the next, in either half.
   [[nodiscard]] std::optional<std::vector<RidgePoint>> breaks() const {
     std::vector<RidgePoint> found;
@@ -231,8 +243,7 @@ class Ridge {
       RidgePoint p = guess(static_cast<double>(i), Given::S);
       p.s = static_cast<double>(i);
       if (!solveAnywhere(p)) return std::nullopt;
-      const double whole = std::round(p.otherS);
-      if (std::abs(p.otherS - whole) < kSamePlace) p.otherS = whole;
+      moveToEnd(p);
       found.push_back(p);
     }
     for (std::size_t j = 1; j < b_.size(); ++j) {
@@ -258,10 +269,17 @@ class Ridge {
       const RidgePoint* from = k == 0 ? nullptr : &(*inner)[k - 1];
       const RidgePoint* to = k == inner->size() ? nullptr : &(*inner)[k];
       std::optional<RidgePiece> piece = pieceBetween(from, to);
-      if (!piece) return std::nullopt;
+      if (!piece || lengthOf(*piece) < kShortest * d_) return std::nullopt;
       found.push_back(std::move(*piece));
     }
     return found;
+  }
+
+  static double lengthOf(const RidgePiece& piece) {
+    double sum = 0;
+    for (std::size_t k = 1; k < piece.points.size(); ++k)
+      sum += piece.points[k].point.Distance(piece.points[k - 1].point);
+    return sum;
   }
 
   /// Null ends are tips.

@@ -9,6 +9,7 @@
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "exchange/tolerances.h"
@@ -38,7 +39,9 @@ class Builder {
         table_(makeEdgeTable(divided.shape, options.distance > 0 ? 1 : -1, options.smoothAngle)),
         vertices_(table_, options.distance, options.smoothAngle) {}
 
-  RawComplex run() {
+  /// First: the faces and the pipes of narrow mouths. Returns the rims that have none such: they
+  /// had better not been divided.
+  [[nodiscard]] std::set<std::size_t> addFacesAndMouths() {
     images_ = offsetFaces(table_, vertices_, options_.distance, options_.tolerance, arcs_, apices_,
                           raw_.notes);
     for (const FaceImage& image : images_) {
@@ -46,7 +49,14 @@ class Builder {
       raw_.faces.insert(raw_.faces.end(), image.pieces.begin(), image.pieces.end());
       if (image.face.IsNull() && !image.dead && !image.inPieces) ++raw_.missing;
     }
-    addMouths();
+    std::set<std::size_t> without;
+    for (const RimTips& tips : tips_)
+      if (!addMouth(tips)) without.insert(tips.rim);
+    return without;
+  }
+
+  /// Then the rest.
+  RawComplex run() {
     for (std::size_t e = 0; e < table_.edges.size(); ++e) {
       if (table_.edges[e].pipe) addPipe(static_cast<int>(e));
     }
@@ -80,27 +90,25 @@ class Builder {
             vertices_.image(last, info.face2, e)};
   }
 
-  /// The pipes of narrow mouths. Where there are none such the edges get their pipes one by one.
-  void addMouths() {
-    for (const RimTips& tips : tips_) {
-      const std::optional<std::pair<RimHalf, RimHalf>> halves = rimHalves(table_, tips);
-      if (!halves) continue;
-      const auto framesOf = [&](const RimHalf& half) {
-        std::vector<MouthEdge> edges;
-        for (const RimEdge& use : half) edges.push_back({frameOf(use.edge), use.forward});
-        return edges;
-      };
-      try {
-        const std::vector<TopoDS_Face> faces =
-            mouthPipes(framesOf(halves->first), framesOf(halves->second), arcs_);
-        if (faces.empty()) continue;
-        raw_.faces.insert(raw_.faces.end(), faces.begin(), faces.end());
-        for (const RimHalf& half : {halves->first, halves->second})
-          for (const RimEdge& use : half) inMouth_.insert(use.edge);
-      } catch (const Standard_Failure&) {
-        // Then one by one.
-      }
+  bool addMouth(const RimTips& tips) {
+    const std::optional<std::pair<RimHalf, RimHalf>> halves = rimHalves(table_, tips);
+    if (!halves) return false;
+    const auto framesOf = [&](const RimHalf& half) {
+      std::vector<MouthEdge> edges;
+      for (const RimEdge& use : half) edges.push_back({frameOf(use.edge), use.forward});
+      return edges;
+    };
+    std::vector<TopoDS_Face> faces;
+    try {
+      faces = mouthPipes(framesOf(halves->first), framesOf(halves->second), arcs_);
+    } catch (const Standard_Failure&) {
+      return false;
     }
+    if (faces.empty()) return false;
+    raw_.faces.insert(raw_.faces.end(), faces.begin(), faces.end());
+    for (const RimHalf& half : {halves->first, halves->second})
+      for (const RimEdge& use : half) inMouth_.insert(use.edge);
+    return true;
   }
 
   void addPipe(int e) {
@@ -163,13 +171,22 @@ class Builder {
 }  // namespace
 
 RawComplex buildRawComplex(const TopoDS_Shape& healed, const RawOptions& options) {
-  DividedRims divided{healed, {}};
-  try {
-    divided = divideRims(healed, options.distance, options.smoothAngle);
-  } catch (const Standard_Failure&) {
-    // Undivided: the pipes round narrow mouths are then left to General Fuse.
+  const auto divide = [&](const std::set<std::size_t>& leaveOut) {
+    try {
+      return divideRims(healed, options.distance, options.smoothAngle, leaveOut);
+    } catch (const Standard_Failure&) {
+      return DividedRims{healed, {}};  // the pipes of narrow mouths are then left to General Fuse
+    }
+  };
+  std::optional<Builder> builder;
+  std::set<std::size_t> leaveOut;
+  for (bool again = true; again;) {
+    builder.emplace(divide(leaveOut), options);
+    const std::set<std::size_t> without = builder->addFacesAndMouths();
+    again = !without.empty();
+    leaveOut.insert(without.begin(), without.end());
   }
-  return Builder(divided, options).run();
+  return builder->run();
 }
 
 }  // namespace phront::cad

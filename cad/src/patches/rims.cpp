@@ -166,13 +166,15 @@ class RimDivider {
     for (const EdgeInfo& info : table_.edges) folds_.push_back(foldsOf(info, std::abs(distance)));
   }
 
-  DividedRims run() {
+  DividedRims run(const std::set<std::size_t>& leaveOut) {
     DividedRims result{shape_, {}};
-    for (const RimHalf& rim : rims()) {
-      const RimPlaces places = placesOf(rim);
+    const std::vector<RimHalf> all = rims();
+    for (std::size_t r = 0; r < all.size(); ++r) {
+      if (leaveOut.count(r) > 0) continue;
+      const RimPlaces places = placesOf(all[r]);
       const double one = places.least({});
       const double other = places.least(one);
-      result.tips.push_back({vertexAt(rim, places, one), vertexAt(rim, places, other)});
+      result.tips.push_back({vertexAt(all[r], places, one), vertexAt(all[r], places, other), r});
     }
     BRepTools_ReShape reshape;
     for (const auto& [edge, cuts] : cuts_) divide(edge, cuts, reshape);
@@ -284,8 +286,9 @@ class RimDivider {
 
 }  // namespace
 
-DividedRims divideRims(const TopoDS_Shape& shape, double distance, double smoothAngle) {
-  return RimDivider(shape, distance, smoothAngle).run();
+DividedRims divideRims(const TopoDS_Shape& shape, double distance, double smoothAngle,
+                       const std::set<std::size_t>& leaveOut) {
+  return RimDivider(shape, distance, smoothAngle).run(leaveOut);
 }
 
 std::optional<std::pair<RimHalf, RimHalf>> rimHalves(const EdgeTable& table, const RimTips& tips) {

@@ -3,7 +3,9 @@
 
 #include <TopoDS_Shape.hxx>
 #include <TopoDS_Vertex.hxx>
+#include <cstddef>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -16,6 +18,7 @@ namespace phront::cad {
 struct RimTips {
   TopoDS_Vertex one;
   TopoDS_Vertex other;
+  std::size_t rim = 0;  ///< its number
 };
 
 struct DividedRims {
@@ -24,9 +27,10 @@ struct DividedRims {
 };
 
 /// Finds the closed rims, no circles, whose pipes of radius |distance| fold all along, and divides
-/// their edges at the tips. `smoothAngle` as in EdgeTable.
-[[nodiscard]] DividedRims divideRims(const TopoDS_Shape& shape, double distance,
-                                     double smoothAngle);
+/// their edges at the tips. `smoothAngle` as in EdgeTable. Rims with a number in `leaveOut` stay as
+/// they are and have no tips; the numbers of the others do not depend on it.
+[[nodiscard]] DividedRims divideRims(const TopoDS_Shape& shape, double distance, double smoothAngle,
+                                     const std::set<std::size_t>& leaveOut = {});
 
 /// An edge of a rim, and whether the rim runs as it does.
 struct RimEdge {
