@@ -1,3 +1,5 @@
+// Intersecting, meshing and healing take a tolerance at its word: one too small makes a shape
+// invalid, one too large swallows what is near. Both are measured at samples along the edges.
 #include "exchange/tolerances.h"
 
 #include <BRepAdaptor_Surface.hxx>
@@ -16,6 +18,7 @@
 #include <TopoDS_Iterator.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
+#include <utility>
 
 namespace phront::cad {
 namespace {
@@ -92,7 +95,7 @@ void settleTolerances(const std::vector<TopoDS_Face>& faces) {
   }
 }
 
-bool lowerTolerances(const TopoDS_Shape& shape, double limit) {
+void lowerTolerances(const TopoDS_Shape& shape, double limit) {
   TopTools_IndexedMapOfShape parts;
   TopExp::MapShapes(shape, TopAbs_EDGE, parts);
   TopExp::MapShapes(shape, TopAbs_VERTEX, parts);
@@ -101,7 +104,7 @@ bool lowerTolerances(const TopoDS_Shape& shape, double limit) {
     const double tolerance = toleranceOf(parts(i));
     if (tolerance > limit) before.emplace_back(parts(i), tolerance);
   }
-  if (before.empty()) return false;
+  if (before.empty()) return;
   const bool valid = BRepCheck_Analyzer(shape).IsValid();
   for (const auto& [part, tolerance] : before) setTolerance(part, Precision::Confusion());
   std::vector<TopoDS_Face> faces;
@@ -109,12 +112,13 @@ bool lowerTolerances(const TopoDS_Shape& shape, double limit) {
   TopExp::MapShapes(shape, TopAbs_FACE, map);
   for (int i = 1; i <= map.Extent(); ++i) faces.push_back(TopoDS::Face(map(i)));
   settleTolerances(faces);
-  if (valid && !BRepCheck_Analyzer(shape).IsValid()) {
-    for (const auto& [part, tolerance] : before) setTolerance(part, tolerance);
-    return false;
-  }
-  return std::any_of(before.begin(), before.end(),
-                     [](const auto& was) { return toleranceOf(was.first) < was.second; });
+  // A vertex covers its edges, also those that were left as they are.
+  const BRep_Builder builder;
+  for (int i = 1; i <= parts.Extent(); ++i)
+    for (TopoDS_Iterator end(parts(i)); end.More(); end.Next())
+      builder.UpdateVertex(TopoDS::Vertex(end.Value()), toleranceOf(parts(i)));
+  if (!valid || BRepCheck_Analyzer(shape).IsValid()) return;
+  for (const auto& [part, tolerance] : before) setTolerance(part, tolerance);
 }
 
 }  // namespace phront::cad

@@ -18,8 +18,7 @@ double raiseTolerance(const TopoDS_Edge& edge, const TopoDS_Face& face);
 void settleTolerances(const std::vector<TopoDS_Face>& faces);
 
 /// Measures the edges and vertices whose tolerance is above `limit` (mm) and lowers it to what they
-/// bridge; intersecting, meshing and healing take a tolerance at its word. Changes the shape
-/// itself, and nothing where that would make a valid shape invalid. Returns whether it changed any.
-bool lowerTolerances(const TopoDS_Shape& shape, double limit);
+/// bridge. Changes the shape itself, and nothing where that would make a valid shape invalid.
+void lowerTolerances(const TopoDS_Shape& shape, double limit);
 
 }  // namespace phront::cad
