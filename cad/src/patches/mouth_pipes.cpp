@@ -74,7 +74,7 @@ class Mouth {
         edges_[piece], points.front(), points.back(), false, {}, pcurveThrough(points, parameters)};
   }
 
-  /// At f = 0 or 1, from the ridge's vertex at (u, v) to the image that is kept.
+  /// At f = 0 or 1, from the ridge's vertex at u to the image that is kept.
   [[nodiscard]] PatchSide arcSide(const MouthStrip& strip, bool atLast, const TopoDS_Vertex& ridge,
                                   double u) const {
     const PipeFrame& frame = strip.frame();
