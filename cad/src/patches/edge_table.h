@@ -18,6 +18,11 @@ struct EdgeSample {
   gp_Vec n1;
   gp_Vec n2;
   double angle = 0;  ///< rad, > 0 where convex seen from the offset side
+
+  /// The tangent or its reverse: the axis about which n1 turns to n2.
+  [[nodiscard]] gp_Vec axis() const {
+    return n1.Crossed(n2).Dot(tangent) > 0 ? tangent : tangent.Reversed();
+  }
 };
 
 struct EdgeInfo {

@@ -82,11 +82,9 @@ class Mouth {
     const EdgeSample& s = edgeLast ? frame.info->samples.back() : frame.info->samples.front();
     const TopoDS_Vertex& image = strip.keepsImage2() ? (edgeLast ? frame.last2 : frame.first2)
                                                      : (edgeLast ? frame.last1 : frame.first1);
-    const double turn = s.n1.Crossed(s.n2).Dot(s.tangent);
-    const gp_Vec axis = turn > 0 ? s.tangent : s.tangent.Reversed();
     const TopoDS_Edge arc = strip.keepsImage2()
-                                ? arcs_.arc(s.point, axis, frame.radius, ridge, image)
-                                : arcs_.arc(s.point, axis, frame.radius, image, ridge);
+                                ? arcs_.arc(s.point, s.axis(), frame.radius, ridge, image)
+                                : arcs_.arc(s.point, s.axis(), frame.radius, image, ridge);
     return strip.sections().shortSide(strip.parameter(atLast ? 1 : 0), arc, ridge, u,
                                       strip.keepsImage2() ? 1 : 0);
   }

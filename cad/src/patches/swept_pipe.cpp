@@ -8,9 +8,7 @@
 #include <BRep_Tool.hxx>
 #include <Precision.hxx>
 #include <Standard_Failure.hxx>
-#include <TopExp.hxx>
 #include <TopoDS.hxx>
-#include <algorithm>
 
 #include "exchange/tolerances.h"
 #include "patches/pipe.h"
@@ -53,8 +51,7 @@ TopoDS_Face sweptPipe(const PipeFrame& frame, ArcPool& arcs) {
   const EdgeInfo& info = *frame.info;
   const auto endArc = [&](const EdgeSample& s, const TopoDS_Vertex& v1, const TopoDS_Vertex& v2) {
     if (v1.IsNull() || v2.IsNull() || v1.IsSame(v2)) return TopoDS_Edge();
-    const double turn = s.n1.Crossed(s.n2).Dot(s.tangent);
-    return arcs.arc(s.point, turn > 0 ? s.tangent : s.tangent.Reversed(), frame.radius, v1, v2);
+    return arcs.arc(s.point, s.axis(), frame.radius, v1, v2);
   };
   const TopoDS_Edge first = endArc(info.samples.front(), frame.first1, frame.first2);
   const TopoDS_Edge last = endArc(info.samples.back(), frame.last1, frame.last2);
