@@ -15,15 +15,15 @@ enum class ShapeFormat { Step, Iges, Brep };
 [[nodiscard]] Result<ShapeFormat> shapeFormatOf(const std::filesystem::path& path);
 
 struct ReadOptions {
-  double timeLimit = 25;                ///< seconds of the reading process
-  double memoryLimit = 4096;            ///< MiB of the reading process
+  double timeLimit = 25;                    ///< seconds of the reading process
+  double memoryLimit = 4096;                ///< MiB of the reading process
   std::optional<double> sewTolerance = {};  ///< mm; automatic: 1e-5 of the diagonal
-  double maxExtent = 1e7;               ///< mm; larger models are refused as nonsense
-  bool repair = true;   ///< false: take the shape as the file has it (for reading results back)
+  double maxExtent = 1e7;                   ///< mm; larger models are refused as nonsense
+  bool repair = true;  ///< false: take the shape as the file has it (for reading results back)
 };
 
-/// Reads a file in a child process with limits on time and memory, so that whatever OpenCASCADE does
-/// with a hostile file (exception, signal, endless recursion, hang, output) ends as an Error.
+/// Reads a file in a child process with limits on time and memory, so that whatever OpenCASCADE
+/// does with a hostile file (exception, signal, endless recursion, hang, output) ends as an Error.
 /// The format follows the content where it is plain (a STEP file named .igs is read as STEP, with a
 /// warning), else the extension. Lengths arrive in mm. Bodies are placed; Model::assemblies tells
 /// how they hang together. Faces without a solid are sewn; closed shells become solids with
