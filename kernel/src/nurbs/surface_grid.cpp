@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <queue>
 
 namespace phront {
@@ -16,6 +17,8 @@ constexpr std::size_t kFoldSamples = 20;  // along a direction, in search of fol
 constexpr std::size_t kLeastInSpan = 2;   // of these
 constexpr std::size_t kMostFoldSamples = 300;
 constexpr double kTurnedOver = -0.5;  // cosine between neighbours' normals
+constexpr double kBesideFold = 6e-3;  // of the typical |S_u x S_v|: below, normals may swing
+constexpr double kFirstStep = 1e-3;   // of the domain, out of where they may
 
 /// Parameters all over a domain, in each span some unless there are very many.
 std::vector<double> spreadOver(const Knots& knots) {
@@ -186,9 +189,21 @@ Vec3 OffsetSurface::cross(double u, double v) const {
   return p.alongU.cross(p.alongV);
 }
 
-Vec3 OffsetSurface::normal(double u, double v) const {
+Vec3 OffsetSurface::normal(double u, double v) const { return normal(u, v, cross(u, v)); }
+
+Vec3 OffsetSurface::normal(double u, double v, const Vec3& cross) const {
+  const double length = cross.norm();
+  const bool swings = !normals_.empty() && length < kBesideFold * typical_;
+  if (length <= kDegenerate * typical_) return swings ? besideFold(u, v) : limit(u, v);
+  const Vec3 own = unfolded(u, v, cross / length);
+  if (!swings) return own;
+  // All of the neighbours' in the inner half, none at the rim.
+  const double share = std::min(1.0, 2 - 2 * length / (kBesideFold * typical_));
+  return (own + share * (besideFold(u, v) - own)).normalized();
+}
+
+Vec3 OffsetSurface::limit(double u, double v) const {
   const Vec3 here = cross(u, v);
-  if (here.norm() > kDegenerate * typical_) return unfolded(u, v, here.normalized());
   const auto inward = [](const Knots& knots, double t, double steps) {
     const double middle = 0.5 * (knots.first() + knots.last());
     const double step = steps * kIntoDomain * (knots.last() - knots.first());
@@ -212,6 +227,38 @@ Vec3 OffsetSurface::normal(double u, double v) const {
   return unfolded(u, v, limit.normalized());
 }
 
+std::optional<Vec3> OffsetSurface::clearNormal(double u, double v) const {
+  const auto within = [](const Knots& knots, double t) {
+    return knots.first() <= t && t <= knots.last();
+  };
+  if (!within(surface_.u, u) || !within(surface_.v, v)) return std::nullopt;
+  const Vec3 n = cross(u, v);
+  if (n.norm() < kBesideFold * typical_) return std::nullopt;
+  return unfolded(u, v, n.normalized());
+}
+
+Vec3 OffsetSurface::besideFold(double u, double v) const {
+  // From both sides or one, along u or v, whichever leaves the fold sooner.
+  for (double step = kFirstStep; step < 1; step *= 2) {
+    for (const bool alongU : {true, false}) {
+      const double stepU = alongU ? step * (surface_.u.last() - surface_.u.first()) : 0;
+      const double stepV = alongU ? 0 : step * (surface_.v.last() - surface_.v.first());
+      const auto at = [&](int k) { return clearNormal(u + k * stepU, v + k * stepV); };
+      const auto before = at(-1);
+      const auto after = at(1);
+      const auto farBefore = at(-2);
+      const auto farAfter = at(2);
+      if (before && after && farBefore && farAfter)
+        return (4 * (*before + *after) - *farBefore - *farAfter).normalized();
+      if (const auto third = at(3); !before && after && farAfter && third)
+        return (3 * *after - 3 * *farAfter + *third).normalized();
+      if (const auto third = at(-3); !after && before && farBefore && third)
+        return (3 * *before - 3 * *farBefore + *third).normalized();
+    }
+  }
+  return limit(u, v);
+}
+
 Vec3 OffsetSurface::point(double u, double v) const {
   return evaluate(surface_, u, v).position + distance_ * normal(u, v);
 }
@@ -223,10 +270,7 @@ Rows OffsetSurface::at(std::span<const double> us, std::span<const double> vs) c
   for (std::size_t i = 0; i < us.size(); ++i) {
     for (std::size_t j = 0; j < vs.size(); ++j) {
       const SurfacePoint p = lifted.at(i, j);
-      Vec3 n = p.alongU.cross(p.alongV);
-      n = n.norm() > kDegenerate * typical_ ? unfolded(us[i], vs[j], n.normalized())
-                                            : normal(us[i], vs[j]);
-      const Vec3 moved = p.position + distance_ * n;
+      const Vec3 moved = p.position + distance_ * normal(us[i], vs[j], p.alongU.cross(p.alongV));
       const Eigen::Index column = index(j) * wide;
       result.block<1, 3>(index(i), column) = (rational_ ? p.weight : 1) * moved.transpose();
       if (rational_) result(index(i), column + 3) = p.weight;

@@ -1,6 +1,7 @@
 // A NURBS surface and its offset at all pairs of some parameters.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -23,7 +24,8 @@ struct SurfaceGrid {
 /// Normals and offset points of a surface, S_u x S_v normalised; where it vanishes (poles,
 /// degenerate edges) the limit from inside. Where the surface folds back on itself S_u x S_v turns
 /// over; the normal does not, but goes on as it was on the side where the surface is stretched
-/// most.
+/// most. Of a surface that was fitted to a fold, S_u x S_v swings through every direction in a
+/// narrow band there; in it the normal is interpolated between those beside it.
 class OffsetSurface {
  public:
   OffsetSurface(const NurbsSurface& surface, double distance);
@@ -39,6 +41,11 @@ class OffsetSurface {
 
  private:
   [[nodiscard]] Vec3 cross(double u, double v) const;
+  [[nodiscard]] Vec3 normal(double u, double v, const Vec3& cross) const;
+  [[nodiscard]] Vec3 limit(double u, double v) const;  ///< where S_u x S_v vanishes
+  /// None outside the domain, and beside a fold.
+  [[nodiscard]] std::optional<Vec3> clearNormal(double u, double v) const;
+  [[nodiscard]] Vec3 besideFold(double u, double v) const;  ///< of the clear normals around
   /// Normals sampled all over the surface, none turned over; nothing when no fold was found.
   void findFolds();
   [[nodiscard]] Vec3 unfolded(double u, double v, const Vec3& normal) const;
