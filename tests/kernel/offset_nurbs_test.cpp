@@ -475,24 +475,44 @@ TEST(OffsetNurbsSurface, FewestKnotsOfWhatIsFlatOrRound) {
   EXPECT_LE(round->error, 1e-10);
 }
 
-TEST(OffsetNurbsSurface, NormalsDoNotTurnOverWhereTheSurfaceFoldsBack) {
-  // A tube of radius 1 about a line that comes back on itself: S_v changes its sign, the normal of
-  // the tube does not.
+/// A tube of radius 1 about a line that comes back on itself; its middle row of poles is `aside`.
+NurbsSurface foldedTube(double aside) {
   NurbsSurface tube = extruded(ellipse(1, 1), Vec3::Zero());
   tube.v = {2, {0, 0, 0, 1, 1, 1}};
   tube.poles.clear();
   tube.weights.clear();
   const NurbsCurve circle = ellipse(1, 1);
-  for (const double z : {0.0, 2.0, 0.5}) {
+  for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(aside, 0, 2), Vec3(0, 0, 0.5)}) {
     for (std::size_t i = 0; i < circle.poles.size(); ++i) {
-      tube.poles.push_back(circle.poles[i] + Vec3(0, 0, z));
+      tube.poles.push_back(circle.poles[i] + shift);
       tube.weights.push_back(circle.weights[i]);
     }
   }
+  return tube;
+}
+
+TEST(OffsetNurbsSurface, NormalsDoNotTurnOverWhereTheSurfaceFoldsBack) {
+  // S_v changes its sign, the normal of the tube does not.
+  const NurbsSurface tube = foldedTube(0);
   const auto offset = offsetNurbs(tube, {.distance = 0.25, .tolerance = 1e-6});
   ASSERT_TRUE(offset.has_value()) << offset.error().message;
   for (double v = 0; v <= 1; v += 0.05)
     EXPECT_NEAR(evaluate(offset->surface, 1.3, v).position.head<2>().norm(), 1.25, 1e-5) << v;
+}
+
+TEST(OffsetNurbsSurface, NormalsBesideAnAlmostFoldDoNotSwing) {
+  // S_v does not quite vanish: where it is along the tube's normal, S_u x S_v turns over within a
+  // millionth of the domain.
+  const NurbsSurface tube = foldedTube(1e-6);
+  const auto offset = offsetNurbs(tube, {.distance = 0.25, .tolerance = 1e-4});
+  ASSERT_TRUE(offset.has_value()) << offset.error().message;
+  EXPECT_LE(offset->surface.poles.size(), 2 * tube.poles.size());
+  for (double u = 0; u <= 1; u += 0.05) {
+    for (double v = 0; v <= 1; v += 0.05) {
+      const Vec3 p = evaluate(offset->surface, 4 * u, v).position;
+      EXPECT_NEAR(p.head<2>().norm(), 1.25, 2e-4) << u << ' ' << v;
+    }
+  }
 }
 
 TEST(OffsetNurbsSurface, EdgesAreFoundThatItRefuses) {

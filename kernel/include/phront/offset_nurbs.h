@@ -64,7 +64,9 @@ using CurveNormal = std::function<Vec3(double t)>;
 
 /// The same for a surface, along S_u x S_v. At poles and degenerate edges the normal is the limit
 /// from inside; where the surface folds back on itself it does not turn over with S_u x S_v, but
-/// goes on as it is where the surface is stretched most. Fails as for curves, and with Cancelled.
+/// goes on as it is where the surface is stretched most. A surface that was fitted to a fold has
+/// normals that swing through every direction in a narrow band there: where they ask for too many
+/// poles, those beside the band are interpolated. Fails as for curves, and with Cancelled.
 [[nodiscard]] Result<SurfaceOffset> offsetNurbs(const NurbsSurface& surface,
                                                 const NurbsOffsetOptions& options,
                                                 const Progress& progress = {});

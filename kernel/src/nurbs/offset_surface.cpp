@@ -59,11 +59,18 @@ class SurfaceOffsetter {
   SurfaceOffsetter(const NurbsSurface& surface, const NurbsOffsetOptions& options)
       : surface_(surface), options_(options), target_(surface, options.distance) {}
 
-  Result<SurfaceOffset> run(const Progress& progress) const {
+  Result<SurfaceOffset> run(const Progress& progress) {
     if (!target_.hasNormals()) {
       return fail(ErrorCode::InvalidArgument,
                   "The surface has no normal anywhere: it is a curve or a point.", "surface");
     }
+    Result<SurfaceOffset> offset = fewestPoles(progress);
+    const bool tooMany = !offset && offset.error().code == ErrorCode::ResourceLimit;
+    return tooMany && target_.smoothFolds() ? fewestPoles(progress) : offset;
+  }
+
+ private:
+  Result<SurfaceOffset> fewestPoles(const Progress& progress) const {
     std::optional<SurfaceOffset> best;
     const double exact = exactness();
     const auto keep = [&](std::optional<SurfaceOffset> other) {
@@ -100,7 +107,6 @@ class SurfaceOffsetter {
     return std::move(*best);
   }
 
- private:
   using Along =
       std::function<std::optional<Knots>(bool u, const CurveBundle& lines, double tolerance)>;
   struct Location {

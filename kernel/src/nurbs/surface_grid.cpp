@@ -17,7 +17,8 @@ constexpr std::size_t kFoldSamples = 20;  // along a direction, in search of fol
 constexpr std::size_t kLeastInSpan = 2;   // of these
 constexpr std::size_t kMostFoldSamples = 300;
 constexpr double kTurnedOver = -0.5;  // cosine between neighbours' normals
-constexpr double kBesideFold = 6e-3;  // of the typical |S_u x S_v|: below, normals may swing
+constexpr double kOnFold = 1e-5;      // of the typical |S_u x S_v|: below, normals say nothing
+constexpr double kBesideFold = 6e-3;  // the same: below, they may swing
 constexpr double kFirstStep = 1e-3;   // of the domain, out of where they may
 
 /// Parameters all over a domain, in each span some unless there are very many.
@@ -135,25 +136,27 @@ void OffsetSurface::findFolds() {
     }
   }
   const std::size_t rows = us.size();
-  const auto neighbours = [&](std::size_t n) {
+  const auto neighbours = [&](std::size_t n, std::size_t away) {
     std::vector<std::size_t> result;
-    if (n % rows > 0) result.push_back(n - 1);
-    if (n % rows + 1 < rows) result.push_back(n + 1);
-    if (n >= rows) result.push_back(n - rows);
-    if (n + rows < normals.size()) result.push_back(n + rows);
+    if (n % rows >= away) result.push_back(n - away);
+    if (n % rows + away < rows) result.push_back(n + away);
+    if (n >= away * rows) result.push_back(n - away * rows);
+    if (n + away * rows < normals.size()) result.push_back(n + away * rows);
     return result;
   };
   bool folded = false;
   for (std::size_t n = 0; n < normals.size() && !folded; ++n) {
-    for (const std::size_t m : neighbours(n)) folded |= normals[n].dot(normals[m]) < kTurnedOver;
+    for (const std::size_t m : neighbours(n, 1)) folded |= normals[n].dot(normals[m]) < kTurnedOver;
   }
   if (!folded) return;
-  // From the node that is stretched most, over the pairs that agree best (but for the sign).
+  // From the node that is stretched most, over the pairs that agree best (but for the sign). Nodes
+  // on a fold, where normals swing, are stepped over; last they take their neighbours'.
   struct Step {
     double agreement = 0;
     std::size_t from = 0, to = 0;
     bool operator<(const Step& other) const { return agreement < other.agreement; }
   };
+  const auto clear = [&](std::size_t n) { return lengths[n] >= kOnFold * typical_; };
   const auto start =
       static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) - lengths.begin());
   std::vector<bool> done(normals.size(), false);
@@ -164,9 +167,17 @@ void OffsetSurface::findFolds() {
     open.pop();
     if (done[step.to]) continue;
     done[step.to] = true;
-    if (normals[step.to].dot(normals[step.from]) < 0) normals[step.to] *= -1;
-    for (const std::size_t next : neighbours(step.to)) {
-      if (!done[next]) open.push({std::abs(normals[step.to].dot(normals[next])), step.to, next});
+    Vec3& normal = normals[step.to];
+    const Vec3& known = normals[step.from];
+    if (!clear(step.to))
+      normal = known;
+    else if (normal.dot(known) < 0)
+      normal *= -1;
+    for (const std::size_t away : {std::size_t{1}, std::size_t{2}}) {
+      for (const std::size_t next : neighbours(step.to, away)) {
+        const double agreement = clear(next) ? std::abs(normal.dot(normals[next])) : -1;
+        if (!done[next]) open.push({agreement, step.to, next});
+      }
     }
   }
   us_ = us;
@@ -193,7 +204,7 @@ Vec3 OffsetSurface::normal(double u, double v) const { return normal(u, v, cross
 
 Vec3 OffsetSurface::normal(double u, double v, const Vec3& cross) const {
   const double length = cross.norm();
-  const bool swings = !normals_.empty() && length < kBesideFold * typical_;
+  const bool swings = smoothed_ && length < kBesideFold * typical_;
   if (length <= kDegenerate * typical_) return swings ? besideFold(u, v) : limit(u, v);
   const Vec3 own = unfolded(u, v, cross / length);
   if (!swings) return own;

@@ -24,11 +24,15 @@ struct SurfaceGrid {
 /// Normals and offset points of a surface, S_u x S_v normalised; where it vanishes (poles,
 /// degenerate edges) the limit from inside. Where the surface folds back on itself S_u x S_v turns
 /// over; the normal does not, but goes on as it was on the side where the surface is stretched
-/// most. Of a surface that was fitted to a fold, S_u x S_v swings through every direction in a
-/// narrow band there; in it the normal is interpolated between those beside it.
+/// most.
 class OffsetSurface {
  public:
   OffsetSurface(const NurbsSurface& surface, double distance);
+
+  /// Of a surface that was fitted to a fold, S_u x S_v swings through every direction in a narrow
+  /// band there: from now on normals in it are interpolated between those beside it. False where
+  /// nothing folds.
+  bool smoothFolds() { return smoothed_ = !normals_.empty(); }
 
   [[nodiscard]] bool hasNormals() const { return typical_ > 0; }
   [[nodiscard]] double typicalCross() const { return typical_; }  ///< |S_u x S_v|
@@ -53,6 +57,7 @@ class OffsetSurface {
   const NurbsSurface& surface_;
   double distance_;
   bool rational_;
+  bool smoothed_ = false;
   double typical_ = 0;  ///< |S_u x S_v|
   std::vector<double> us_, vs_;
   std::vector<Vec3> normals_;  ///< i + j * us_.size()
