@@ -357,7 +357,10 @@ TEST(Contour, LinesEndOutsideTheBoxAndOnGridsToo) {
   EXPECT_FALSE(lines[0].closed);
   EXPECT_GE(std::abs(lines[0].points.front()[0]), 5);
   EXPECT_GE(std::abs(lines[0].points.back()[0]), 5);
-  const std::vector<Contour> onGrid = gridContours(half, options, 32);
+  std::vector<double> grid;
+  for (int i = -16; i <= 16; ++i) grid.push_back(5.0 * i / 16);
+  grid.insert(std::upper_bound(grid.begin(), grid.end(), 0.4), 0.4);
+  const std::vector<Contour> onGrid = gridContours(half, options.chord, grid, grid);
   ASSERT_EQ(onGrid.size(), 1U);
   EXPECT_NEAR((onGrid[0].points.front() - onGrid[0].points.back()).norm(), 10 * std::hypot(1, 0.2),
               1e-2);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <span>
 #include <vector>
 
 namespace phront::cad {
@@ -43,10 +44,11 @@ struct Contour {
 void traceContours(const ClearanceAt& clearance, const std::vector<ContourSeed>& seeds,
                    const ContourOptions& options, std::vector<Contour>& lines);
 
-/// The same from a grid of `cells` by `cells`: coarser, on the safe side (segments between points
-/// of the line may leave out what lies between them and the line), but lines never end inside the
-/// box.
-[[nodiscard]] std::vector<Contour> gridContours(const ClearanceAt& clearance,
-                                                const ContourOptions& options, int cells);
+/// The same from a grid over rising `us` and `vs`, two at least: coarser, on the safe side
+/// (segments between points of the line may leave out what lies between them and the line), but
+/// lines never end inside the grid. `chord` as above.
+[[nodiscard]] std::vector<Contour> gridContours(const ClearanceAt& clearance, double chord,
+                                                std::span<const double> us,
+                                                std::span<const double> vs);
 
 }  // namespace phront::cad

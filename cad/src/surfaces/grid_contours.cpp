@@ -13,31 +13,36 @@ constexpr double kOnLine = 0.1;  // of the chord
 /// Sides of the grid's cells, numbered: those along x first.
 class GridLines {
  public:
-  GridLines(const ClearanceAt& clearance, const ContourOptions& options, int cells)
-      : clearance_(clearance), options_(options), cells_(cells) {
-    for (int j = 0; j <= cells; ++j) {
-      for (int i = 0; i <= cells; ++i) valid_.push_back(clearance(node(i, j)).value >= 0);
+  GridLines(const ClearanceAt& clearance, double chord, std::span<const double> us,
+            std::span<const double> vs)
+      : clearance_(clearance),
+        chord_(chord),
+        us_(us),
+        vs_(vs),
+        columns_(static_cast<int>(us.size()) - 1),
+        rows_(static_cast<int>(vs.size()) - 1) {
+    for (int j = 0; j <= rows_; ++j) {
+      for (int i = 0; i <= columns_; ++i) valid_.push_back(clearance(node(i, j)).value >= 0);
     }
   }
 
   std::vector<Contour> run() {
-    for (int j = 0; j < cells_; ++j) {
-      for (int i = 0; i < cells_; ++i) lookAt(i, j);
+    for (int j = 0; j < rows_; ++j) {
+      for (int i = 0; i < columns_; ++i) lookAt(i, j);
     }
     return chained();
   }
 
  private:
   [[nodiscard]] Vec2 node(int i, int j) const {
-    return options_.low +
-           Vec2(double(i) / cells_, double(j) / cells_).cwiseProduct(options_.high - options_.low);
+    return {us_[static_cast<std::size_t>(i)], vs_[static_cast<std::size_t>(j)]};
   }
   [[nodiscard]] bool valid(int i, int j) const {
-    return valid_[static_cast<std::size_t>(i + j * (cells_ + 1))];
+    return valid_[static_cast<std::size_t>(i + j * (columns_ + 1))];
   }
-  [[nodiscard]] int along(int i, int j) const { return i + j * cells_; }
+  [[nodiscard]] int along(int i, int j) const { return i + j * columns_; }
   [[nodiscard]] int across(int i, int j) const {
-    return cells_ * (cells_ + 1) + i + j * (cells_ + 1);
+    return columns_ * (rows_ + 1) + i + j * (columns_ + 1);
   }
 
   /// Sides of a cell where validity changes, joined in pairs.
@@ -74,7 +79,7 @@ class GridLines {
   }
 
   [[nodiscard]] Vec2 crossing(Vec2 without, Vec2 with) const {
-    for (int k = 0; k < kBisections && (with - without).norm() > kOnLine * options_.chord; ++k) {
+    for (int k = 0; k < kBisections && (with - without).norm() > kOnLine * chord_; ++k) {
       const Vec2 middle = 0.5 * (with + without);
       (clearance_(middle).value >= 0 ? with : without) = middle;
     }
@@ -104,8 +109,9 @@ class GridLines {
   }
 
   const ClearanceAt& clearance_;
-  const ContourOptions& options_;
-  int cells_;
+  double chord_;
+  std::span<const double> us_, vs_;
+  int columns_, rows_;
   std::vector<bool> valid_;
   std::map<int, Vec2> points_;
   std::map<int, std::vector<int>> next_;
@@ -114,9 +120,9 @@ class GridLines {
 
 }  // namespace
 
-std::vector<Contour> gridContours(const ClearanceAt& clearance, const ContourOptions& options,
-                                  int cells) {
-  return GridLines(clearance, options, cells).run();
+std::vector<Contour> gridContours(const ClearanceAt& clearance, double chord,
+                                  std::span<const double> us, std::span<const double> vs) {
+  return GridLines(clearance, chord, us, vs).run();
 }
 
 }  // namespace phront::cad

@@ -2,11 +2,14 @@
 
 #include <BRep_Tool.hxx>
 #include <Geom2d_Curve.hxx>
+#include <GeomAdaptor_Surface.hxx>
 #include <Precision.hxx>
+#include <TColStd_Array1OfReal.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "tessellate/face_surface.h"
 
@@ -48,6 +51,18 @@ ParameterPlane planeFor(const Geom_Surface& surface, const ParameterBox& box) {
   return {u > 0 ? u : 1, v > 0 ? v : 1};
 }
 
+/// Creases and ripples lie along them, narrower than the samples between.
+std::vector<double> innerKnots(const GeomAdaptor_Surface& surface, bool alongU) {
+  const int spans = alongU ? surface.NbUIntervals(GeomAbs_CN) : surface.NbVIntervals(GeomAbs_CN);
+  if (spans < 2 || spans > kMostGrid) return {};
+  TColStd_Array1OfReal ends(1, spans + 1);
+  if (alongU)
+    surface.UIntervals(ends, GeomAbs_CN);
+  else
+    surface.VIntervals(ends, GeomAbs_CN);
+  return {std::next(ends.begin()), std::prev(ends.end())};
+}
+
 }  // namespace
 
 PieceFront::PieceFront(const TopoDS_Face& domain, const Handle(Geom_Surface) & surface,
@@ -60,6 +75,11 @@ PieceFront::PieceFront(const TopoDS_Face& domain, const Handle(Geom_Surface) & s
       plane_(planeFor(*surface, box)) {
   for (const FaceFeature& f : phi.tessellation().features.faces)
     meshSlack_ = std::max(meshSlack_, kMeshSlack * f.deflection);
+  const GeomAdaptor_Surface original(BRep_Tool::Surface(face_));
+  for (const Eigen::Index k : {0, 1}) {
+    knots_[static_cast<std::size_t>(k)] = innerKnots(original, k == 0);
+    for (double& knot : knots_[static_cast<std::size_t>(k)]) knot *= plane_.scale()[k];
+  }
   low_ = plane_.toPlane({box.u.low, box.v.low});
   high_ = plane_.toPlane({box.u.high, box.v.high});
 }
@@ -113,18 +133,35 @@ int PieceFront::cellsFor(double length, int least) const {
                                      double(least), double(kMostGrid)));
 }
 
+std::vector<double> PieceFront::withKnots(Eigen::Index axis, std::vector<double> values) const {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const Interval range{*low, *high};
+  for (const double knot : knots_[static_cast<std::size_t>(axis)])
+    if (range.low < knot && knot < range.high) values.push_back(knot);
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+std::vector<double> PieceFront::middles(Eigen::Index axis, const Interval& range, int count) const {
+  std::vector<double> values;
+  for (int i = 0; i < count; ++i)
+    values.push_back(range.low + (range.high - range.low) * (i + 0.5) / count);
+  return withKnots(axis, std::move(values));
+}
+
 void PieceFront::sampleInside(int least, bool beyond) {
-  const int nu = cellsFor(high_[0] - low_[0], least);
-  const int nv = cellsFor(high_[1] - low_[1], least);
+  const Vec2 size = high_ - low_;
+  const std::vector<double> us = middles(0, {low_[0], high_[0]}, cellsFor(size[0], least));
+  const std::vector<double> vs = middles(1, {low_[1], high_[1]}, cellsFor(size[1], least));
+  const std::size_t nu = us.size();
   struct Node {
     Vec2 at;
     bool inside = false, valid = false;
   };
   std::vector<Node> nodes;
-  for (int j = 0; j < nv; ++j) {
-    for (int i = 0; i < nu; ++i) {
-      const Vec2 share((i + 0.5) / nu, (j + 0.5) / nv);
-      Node node{low_ + share.cwiseProduct(high_ - low_)};
+  for (const double v : vs) {
+    for (const double u : us) {
+      Node node{{u, v}};
       node.inside = inFace(node.at);
       node.valid = valid(node.at);
       if (node.inside && node.valid) ++valid_;
@@ -136,12 +173,9 @@ void PieceFront::sampleInside(int least, bool beyond) {
     if (beyond ? !a.inside && !b.inside : !a.inside || !b.inside) return;
     seeds_.push_back(a.valid ? ContourSeed{b.at, a.at} : ContourSeed{a.at, b.at});
   };
-  for (int j = 0; j < nv; ++j) {
-    for (int i = 0; i < nu; ++i) {
-      const Node& here = nodes[static_cast<std::size_t>(i + j * nu)];
-      if (i > 0) look(nodes[static_cast<std::size_t>(i - 1 + j * nu)], here);
-      if (j > 0) look(nodes[static_cast<std::size_t>(i + (j - 1) * nu)], here);
-    }
+  for (std::size_t n = 0; n < nodes.size(); ++n) {
+    if (n % nu > 0) look(nodes[n - 1], nodes[n]);
+    if (n >= nu) look(nodes[n - nu], nodes[n]);
   }
 }
 
@@ -221,7 +255,14 @@ void PieceFront::traceLines(std::vector<Contour>& lines) const {
 }
 
 std::vector<Contour> PieceFront::gridLines(int cells) const {
-  return gridContours(clearance_, lineOptions(), cells);
+  const ContourOptions options = lineOptions();
+  const auto along = [&](Eigen::Index axis) {
+    std::vector<double> values;
+    for (int i = 0; i <= cells; ++i)
+      values.push_back(options.low[axis] + (options.high[axis] - options.low[axis]) * i / cells);
+    return withKnots(axis, std::move(values));
+  };
+  return gridContours(clearance_, options.chord, along(0), along(1));
 }
 
 }  // namespace phront::cad

@@ -4,6 +4,7 @@
 #include <BRepTopAdaptor_FClass2d.hxx>
 #include <Geom_Surface.hxx>
 #include <TopoDS_Face.hxx>
+#include <array>
 #include <vector>
 
 #include "surfaces/contour.h"
@@ -46,6 +47,11 @@ class PieceFront {
   /// Cells for a length, by |d|, at least so many.
   [[nodiscard]] int cellsFor(double length, int least) const;
 
+  /// Middles of `count` parts of a range of the plane's axis (0 for u, 1 for v), and the knots of
+  /// the original there: creases and ripples lie along those, narrower than the parts.
+  [[nodiscard]] std::vector<double> middles(Eigen::Index axis, const Interval& range,
+                                            int count) const;
+
   /// Look for points of the domain, and of its loops, between which the front ends: seeds of lines.
   /// `beyond`: one of two points may lie outside the domain.
   void sampleInside(int least, bool beyond = true);
@@ -60,6 +66,7 @@ class PieceFront {
  private:
   [[nodiscard]] Vec3 pointAt(const Vec2& x) const;
   [[nodiscard]] bool valid(const Vec2& x) const;
+  [[nodiscard]] std::vector<double> withKnots(Eigen::Index axis, std::vector<double> values) const;
   void seedInwards(const Vec2& x, const Vec2& inward);
   [[nodiscard]] ContourOptions lineOptions() const;
 
@@ -71,6 +78,7 @@ class PieceFront {
   ParameterPlane plane_;
   ClearanceAt clearance_ = [this](const Vec2& x) { return clearance(x); };
   Vec2 low_, high_;
+  std::array<std::vector<double>, 2> knots_;  ///< of the original, inside, on the plane's axes
   double meshSlack_ = 0;
   std::vector<ContourSeed> seeds_;
   int valid_ = 0;

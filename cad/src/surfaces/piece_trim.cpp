@@ -82,14 +82,14 @@ class PieceTrimmer {
     double v0 = 0;
     double v1 = 0;
     BRepTools::UVBounds(face, u0, u1, v0, v1);
+    const Vec2 low = front_.plane().toPlane({u0, v0});
+    const Vec2 high = front_.plane().toPlane({u1, v1});
     double most = 0;
-    for (int i = 0; i < kMeasured; ++i) {
-      for (int j = 0; j < kMeasured; ++j) {
-        const double u = u0 + (u1 - u0) * (i + 0.5) / kMeasured;
-        const double v = v0 + (v1 - v0) * (j + 0.5) / kMeasured;
-        if (inside.Perform(gp_Pnt2d(u, v)) != TopAbs_IN) continue;
-        most = std::max(most, std::abs(front_.level(front_.plane().toPlane({u, v})) -
-                                       std::abs(request_.distance)));
+    for (const double x : front_.middles(0, {low[0], high[0]}, kMeasured)) {
+      for (const double y : front_.middles(1, {low[1], high[1]}, kMeasured)) {
+        const Vec2 uv = front_.plane().fromPlane({x, y});
+        if (inside.Perform(gp_Pnt2d(uv[0], uv[1])) != TopAbs_IN) continue;
+        most = std::max(most, std::abs(front_.level({x, y}) - std::abs(request_.distance)));
       }
     }
     return most;
@@ -116,10 +116,14 @@ class PieceTrimmer {
     int good = 0;
     int bad = 0;
     const auto look = [&](const Vec2& x) {
+      if (!front_.inBox(x)) {
+        ++bad;
+        return;
+      }
       const double lack = std::abs(request_.distance) - front_.level(x);
-      (front_.inBox(x) && lack <= front_.cut() ? good : bad) += 1;
-      if (front_.inBox(x) && lack <= kClearShare * request_.tolerance) clear.push_back(x);
-      if (front_.inBox(x) && lack > kMissedShare * request_.tolerance) missed.push_back(x);
+      (lack <= front_.cut() ? good : bad) += 1;
+      if (lack <= kClearShare * request_.tolerance) clear.push_back(x);
+      if (lack > kMissedShare * request_.tolerance) missed.push_back(x);
     };
     const Handle(IntTools_Context) context = new IntTools_Context;
     gp_Pnt p;
@@ -131,13 +135,9 @@ class PieceTrimmer {
     double v1 = 0;
     BRepTools::UVBounds(part, u0, u1, v0, v1);
     const BRepTopAdaptor_FClass2d inside(part, Precision::PConfusion());
-    const int nu = front_.cellsFor(u1 - u0, kLooks);
-    const int nv = front_.cellsFor(v1 - v0, kLooks);
-    for (int i = 0; i < nu; ++i) {
-      for (int j = 0; j < nv; ++j) {
-        const Vec2 x(u0 + (u1 - u0) * (i + 0.5) / nu, v0 + (v1 - v0) * (j + 0.5) / nv);
-        if (inside.Perform(gp_Pnt2d(x[0], x[1])) == TopAbs_IN) look(x);
-      }
+    for (const double x : front_.middles(0, {u0, u1}, front_.cellsFor(u1 - u0, kLooks))) {
+      for (const double y : front_.middles(1, {v0, v1}, front_.cellsFor(v1 - v0, kLooks)))
+        if (inside.Perform(gp_Pnt2d(x, y)) == TopAbs_IN) look({x, y});
     }
     const bool kept = good > bad;
     // Few valid points of a part that goes lie beside its border.
