@@ -35,6 +35,7 @@ namespace {
 
 constexpr double kSharpTurn = 0.12;  // rad
 constexpr double kCornerSize = 4;    // chords: a sharp turn within is a corner
+constexpr double kUneven = 8;        // lengths of segments: the longer cannot bend like the shorter
 constexpr double kCorner = 0.5;      // rad between segments of a line: a corner
 constexpr double kOpen = 1e-2;       // of the domain: a gap between edges that is none
 constexpr int kLengthSamples = 8;    // along an edge, to see whether it is a point in space
@@ -169,8 +170,17 @@ double turnAt(const Vec2& before, const Vec2& here, const Vec2& after) {
   return std::abs(std::atan2(a[0] * b[1] - a[1] * b[0], a.dot(b)));
 }
 
+/// Whether a curve through three points would leave the longer segment by more than the chord as
+/// the shorter is turned.
+bool bulging(const Vec2& before, const Vec2& here, const Vec2& after, double chord) {
+  const double a = (here - before).norm();
+  const double b = (after - here).norm();
+  return std::max(a, b) > kUneven * std::min(a, b) &&
+         turnAt(before, here, after) * std::max(a, b) / 8 > chord;
+}
+
 /// Smooth parts of a line: each goes from a corner to the next. Where a line turns within some
-/// chords, that is a corner, too.
+/// chords, or would bulge, that is a corner, too.
 std::vector<std::vector<Vec2>> smoothParts(const Contour& line, double chord) {
   std::vector<Vec2> points = line.points;
   if (line.closed) points.push_back(points.front());
@@ -182,8 +192,10 @@ std::vector<std::vector<Vec2>> smoothParts(const Contour& line, double chord) {
     const double before = (points[i] - points[i - 1]).norm();
     const double after = last ? 0 : (points[i + 1] - points[i]).norm();
     const double turn = last ? 0 : turnAt(points[i - 1], points[i], points[i + 1]);
+    const double shorter = std::min(before, after);
+    const bool bulges = !last && bulging(parts.back().back(), points[i], points[i + 1], chord);
     const bool corner =
-        turn > kCorner || (turn > kSharpTurn && std::min(before, after) < kCornerSize * chord);
+        turn > kCorner || (turn > kSharpTurn && shorter < kCornerSize * chord) || bulges;
     // What follows a corner within its size belongs to it, and points are not noise's length apart.
     if (!last && fromCorner < kCornerSize * chord) continue;
     if (!last && !corner && (points[i] - parts.back().back()).norm() < kCornerSize * chord / 2)

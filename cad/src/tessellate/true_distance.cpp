@@ -271,12 +271,15 @@ Candidate TrueDistance::Impl::refine(const Vec3& x, const FootPoint& foot) const
   const SurfaceFoot onFace = face.surface().foot(x, kResidual * diagonal, start.uv);
   result.uv = onFace.uv;
   result.point = onFace.point;
-  if (onFace.converged && !onFace.atBound &&
-      insideDomain(start.face, foot.triangle, result.uv, result.point)) {
+  const bool inside = insideDomain(start.face, foot.triangle, result.uv, result.point);
+  if (inside) {
     result.distance = (x - result.point).norm();
     result.feature = {FeatureKind::Face, start.face};
-  } else {
-    result = borderFoot(x, start.face);
+  }
+  // At a centre of curvature feet are too flat to converge: no farther than this one they are.
+  if (!inside || !onFace.converged || onFace.atBound) {
+    const Candidate border = borderFoot(x, start.face);
+    if (!inside || border.distance <= result.distance) result = border;
   }
   const double allowed = kChordFactor * (slack[at(start.face)] + kRoundOff * diagonal);
   return std::abs(result.distance - start.distance) <= allowed ? result : start;
