@@ -2,6 +2,7 @@
 #include "phront/cad/offset_surfaces.h"
 
 #include <gtest/gtest.h>
+#include <BRepAdaptor_Curve.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
@@ -11,6 +12,7 @@
 #include <BRepGProp.hxx>
 #include <BRepPrimAPI_MakePrism.hxx>
 #include <BRepPrimAPI_MakeRevol.hxx>
+#include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
 #include <GeomAPI_PointsToBSpline.hxx>
@@ -26,6 +28,9 @@
 #include <Geom_ToroidalSurface.hxx>
 #include <TColgp_Array1OfPnt.hxx>
 #include <TColgp_Array2OfPnt.hxx>
+#include <TopoDS.hxx>
+#include <gp_Circ.hxx>
+#include <gp_Pln.hxx>
 
 #include <cmath>
 #include <numbers>
@@ -33,7 +38,9 @@
 #include "phront/cad/offset_shape.h"
 #include "solids.h"
 #include "surfaces/contour.h"
+#include "surfaces/loop_polygons.h"
 #include "surfaces/offset_geom.h"
+#include "surfaces/parameter_plane.h"
 
 namespace phront::cad {
 namespace {
@@ -364,6 +371,41 @@ TEST(Contour, LinesEndOutsideTheBoxAndOnGridsToo) {
   ASSERT_EQ(onGrid.size(), 1U);
   EXPECT_NEAR((onGrid[0].points.front() - onGrid[0].points.back()).norm(), 10 * std::hypot(1, 0.2),
               1e-2);
+}
+
+TEST(ParameterPlane, LinesDoNotBulgeBesideShortSegments) {
+  // The corner of a square as it is traced: cut off by a side a hundred times shorter.
+  Contour corner;
+  corner.points = {{0, -4},         {0, -2},     {0, -0.5},  {0, -0.02},
+                   {0.018, -0.016}, {2, -0.016}, {4, -0.016}};
+  for (const TopoDS_Edge& edge : ParameterPlane::edgesAlong({corner}, 4e-3)) {
+    const BRepAdaptor_Curve curve(edge);
+    for (int i = 0; i <= 100; ++i) {
+      const gp_Pnt p = curve.Value(curve.FirstParameter() +
+                                   i * (curve.LastParameter() - curve.FirstParameter()) / 100);
+      EXPECT_GE(p.X(), -4e-3);
+      EXPECT_LE(p.Y(), -0.012);
+    }
+  }
+}
+
+TEST(LoopPolygons, KnowsHolesAndLeavesOutWhatIsNoLoop) {
+  const gp_Pln plane;
+  BRepBuilderAPI_MakeFace maker(plane, -2, 2, -2, 2);
+  maker.Add(
+      TopoDS::Wire(BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(gp_Circ(gp::XOY(), 1)).Edge())
+                       .Wire()
+                       .Reversed()));
+  TopoDS_Face face = maker.Face();
+  const TopoDS_Edge inside = BRepBuilderAPI_MakeEdge(gp_Pnt(1.2, -1, 0), gp_Pnt(1.2, 1, 0)).Edge();
+  BRep_Builder().Add(face, BRepBuilderAPI_MakeWire(inside).Wire().Oriented(TopAbs_INTERNAL));
+  const LoopPolygons loops(face, 1e-3);
+  for (double x = -2.45; x < 2.5; x += 0.1) {
+    for (double y = -2.45; y < 2.5; y += 0.1) {
+      const bool held = std::max(std::abs(x), std::abs(y)) < 2 && std::hypot(x, y) > 1;
+      EXPECT_EQ(loops.contains({x, y}), held) << x << ' ' << y;
+    }
+  }
 }
 
 }  // namespace

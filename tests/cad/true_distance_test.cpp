@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 #include <BRepBuilderAPI_MakeFace.hxx>
+#include <Geom_BezierSurface.hxx>
 #include <Geom_ToroidalSurface.hxx>
+#include <TColgp_Array2OfPnt.hxx>
 #include <gp_Ax3.hxx>
 
 #include <chrono>
@@ -11,6 +13,7 @@
 #include <random>
 
 #include "solids.h"
+#include "tessellate/face_surface.h"
 
 namespace phront::cad {
 namespace {
@@ -222,6 +225,36 @@ TEST(TrueDistance, FreeformFeetAreOrthogonal) {
     ++checked;
   }
   EXPECT_GT(checked, 50);
+}
+
+TEST(TrueDistance, FeetConvergeBeyondCentresOfCurvature) {
+  // z = 0.8 x^2 + 0.4 y^2 as a Bezier patch over sheared parameters: x = u + 0.4 v, y = v. Seen
+  // from beyond a centre of curvature the distance has a saddle at the foot that one starts beside.
+  TColgp_Array2OfPnt poles(1, 3, 1, 3);
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const double u = 2 * i - 2.0;
+      const double v = 2 * j - 2.0;
+      const double uu = i == 1 ? -4 : 4;
+      const double vv = j == 1 ? -4 : 4;
+      poles.SetValue(i + 1, j + 1,
+                     gp_Pnt(u + 0.4 * v, v, 0.8 * (uu + 0.8 * u * v + 0.16 * vv) + 0.4 * vv));
+    }
+  }
+  const Handle(Geom_BezierSurface) patch = new Geom_BezierSurface(poles);
+  const FaceSurface surface(BRepBuilderAPI_MakeFace(patch, 1e-7).Face());
+  for (const Vec3& p : randomPoints(300, {-0.3, -0.3, 0.4}, {0.3, 0.3, 1.4})) {
+    const Eigen::Vector2d uv(0.5 + 0.25 * p[0], 0.5 + 0.25 * p[1]);
+    Vec3 on;
+    Vec3 normal;
+    ASSERT_TRUE(surface.pointAndNormal(uv, on, normal));
+    if (normal[2] < 0) normal = -normal;
+    const Vec3 query = on + p[2] * normal;
+    const Eigen::Vector2d beside = uv + Eigen::Vector2d(0.003, -0.002);
+    const SurfaceFoot foot = surface.foot(query, 1e-9, beside);
+    EXPECT_TRUE(foot.converged) << query.transpose();
+    EXPECT_LE((foot.point - query).norm(), p[2] + 1e-9);
+  }
 }
 
 TEST(TrueDistance, PointAndNormalLieOnTheSurface) {

@@ -35,6 +35,7 @@ namespace {
 
 constexpr double kSharpTurn = 0.12;  // rad
 constexpr double kCornerSize = 4;    // chords: a sharp turn within is a corner
+constexpr double kSamePoint = 0.01;  // chords
 constexpr double kUneven = 8;        // lengths of segments: the longer cannot bend like the shorter
 constexpr double kCorner = 0.5;      // rad between segments of a line: a corner
 constexpr double kOpen = 1e-2;       // of the domain: a gap between edges that is none
@@ -175,7 +176,7 @@ double turnAt(const Vec2& before, const Vec2& here, const Vec2& after) {
 bool bulging(const Vec2& before, const Vec2& here, const Vec2& after, double chord) {
   const double a = (here - before).norm();
   const double b = (after - here).norm();
-  return std::max(a, b) > kUneven * std::min(a, b) &&
+  return a > kCornerSize * chord / 2 && std::max(a, b) > kUneven * std::min(a, b) &&
          turnAt(before, here, after) * std::max(a, b) / 8 > chord;
 }
 
@@ -198,12 +199,10 @@ std::vector<std::vector<Vec2>> smoothParts(const Contour& line, double chord) {
         turn > kCorner || (turn > kSharpTurn && shorter < kCornerSize * chord) || bulges;
     // What follows a corner within its size belongs to it, and points are not noise's length apart.
     if (!last && fromCorner < kCornerSize * chord) continue;
-    if (!last && !corner && (points[i] - parts.back().back()).norm() < kCornerSize * chord / 2)
-      continue;
+    const double gap = (points[i] - parts.back().back()).norm();
+    if (!last && gap < (corner ? kSamePoint : kCornerSize / 2) * chord) continue;
     // The end is kept, in place of a point too near to it for a curve through both.
-    if (last && parts.back().size() > 1 &&
-        (points[i] - parts.back().back()).norm() < kCornerSize * chord / 2)
-      parts.back().pop_back();
+    if (last && parts.back().size() > 1 && gap < kCornerSize * chord / 2) parts.back().pop_back();
     parts.back().push_back(points[i]);
     if (corner && !last) parts.push_back({points[i]});
   }

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "surfaces/loop_polygons.h"
+
 namespace phront::cad {
 namespace {
 
@@ -134,10 +136,10 @@ class PieceTrimmer {
     double v0 = 0;
     double v1 = 0;
     BRepTools::UVBounds(part, u0, u1, v0, v1);
-    const BRepTopAdaptor_FClass2d inside(part, Precision::PConfusion());
+    const LoopPolygons inside(part, front_.chord());
     for (const double x : front_.middles(0, {u0, u1}, front_.cellsFor(u1 - u0, kLooks))) {
       for (const double y : front_.middles(1, {v0, v1}, front_.cellsFor(v1 - v0, kLooks)))
-        if (inside.Perform(gp_Pnt2d(x, y)) == TopAbs_IN) look({x, y});
+        if (inside.contains({x, y})) look({x, y});
     }
     const bool kept = good > bad;
     // Few valid points of a part that goes lie beside its border.

@@ -24,8 +24,9 @@ namespace phront::cad {
 namespace {
 
 constexpr int kNewtonSteps = 30;
-constexpr double kLooseResidual = 1e3;  // of the tolerance, where round-off stops the descent
-constexpr int kPlaneSamples = 9;        // per direction, for surfaces without poles
+constexpr double kLeastCurvature = 0.005;  // of the squared distance, relative to the metric
+constexpr double kLooseResidual = 1e3;    // of the tolerance, where round-off stops the descent
+constexpr int kPlaneSamples = 9;          // per direction, for surfaces without poles
 // sin of the angle between Su and Sv, and length of either against the other scale, below which a
 // point counts as singular: well above round-off of a cross product.
 constexpr double kSingularSine = 1e-9;
@@ -184,6 +185,21 @@ SurfaceFoot FaceSurface::foot(const Vec3& x, double tolerance, Eigen::Vector2d s
   return foot;
 }
 
+namespace {
+
+/// Where the distance has no minimum near by (beyond a centre of curvature): Newton's step with the
+/// absolute curvatures, relative to the metric (modified Newton; Gill & Murray 1974).
+Eigen::Vector2d descent(const Eigen::Matrix2d& hessian, const Eigen::Matrix2d& metric,
+                        const Eigen::Vector2d& gradient) {
+  const Eigen::Matrix2d regular = metric + 1e-9 * metric.trace() * Eigen::Matrix2d::Identity();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> solver(hessian, regular);
+  const Eigen::Vector2d curvatures = solver.eigenvalues().cwiseAbs().cwiseMax(kLeastCurvature);
+  return solver.eigenvectors() *
+         (solver.eigenvectors().transpose() * gradient).cwiseQuotient(curvatures);
+}
+
+}  // namespace
+
 SurfaceFoot FaceSurface::newtonFoot(const Vec3& x, double tolerance,
                                     const Eigen::Vector2d& start) const {
   SurfaceFoot foot;
@@ -227,8 +243,7 @@ SurfaceFoot FaceSurface::newtonFoot(const Vec3& x, double tolerance,
     if (foot.converged) return foot;
     const double determinant = h.determinant();
     const bool definite = h(0, 0) > 0 && determinant > 1e-12 * h(0, 0) * std::abs(h(1, 1));
-    if (!definite) h = first + 1e-9 * first.trace() * Eigen::Matrix2d::Identity();
-    const Eigen::Vector2d delta = h.inverse() * g;
+    const Eigen::Vector2d delta = definite ? h.inverse() * g : descent(h, first, g);
     if (!delta.allFinite()) return foot;
     double factor = 1;
     bool moved = false;
