@@ -15,6 +15,7 @@
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
+#include <GeomAPI_Interpolate.hxx>
 #include <GeomAPI_PointsToBSpline.hxx>
 #include <GeomAPI_PointsToBSplineSurface.hxx>
 #include <Geom_BSplineCurve.hxx>
@@ -28,6 +29,7 @@
 #include <Geom_ToroidalSurface.hxx>
 #include <TColgp_Array1OfPnt.hxx>
 #include <TColgp_Array2OfPnt.hxx>
+#include <TColgp_HArray1OfPnt.hxx>
 #include <TopoDS.hxx>
 #include <gp_Circ.hxx>
 #include <gp_Pln.hxx>
@@ -386,6 +388,26 @@ TEST(ParameterPlane, LinesDoNotBulgeBesideShortSegments) {
       EXPECT_GE(p.X(), -4e-3);
       EXPECT_LE(p.Y(), -0.012);
     }
+  }
+}
+
+TEST(LoopPolygons, FollowsASplineWhoseEndsAreLevel) {
+  // A wave that is as high in the middle as at both ends.
+  const Handle(TColgp_HArray1OfPnt) points = new TColgp_HArray1OfPnt(1, 41);
+  for (int i = 0; i <= 40; ++i)
+    points->SetValue(i + 1, gp_Pnt(0.1 * i, std::sin(std::numbers::pi * 0.1 * i), 0));
+  GeomAPI_Interpolate through(points, Standard_False, 1e-9);
+  through.Perform();
+  const Handle(Geom_BSplineCurve) wave = through.Curve();
+  BRepBuilderAPI_MakeWire wire(BRepBuilderAPI_MakeEdge(wave).Edge());
+  wire.Add(BRepBuilderAPI_MakeEdge(gp_Pnt(4, 0, 0), gp_Pnt(4, 3, 0)).Edge());
+  wire.Add(BRepBuilderAPI_MakeEdge(gp_Pnt(4, 3, 0), gp_Pnt(0, 3, 0)).Edge());
+  wire.Add(BRepBuilderAPI_MakeEdge(gp_Pnt(0, 3, 0), gp_Pnt(0, 0, 0)).Edge());
+  const LoopPolygons loops(BRepBuilderAPI_MakeFace(gp_Pln(), wire.Wire()).Face(), 1e-3);
+  for (double x = 0.05; x < 4; x += 0.1) {
+    const double y = std::sin(std::numbers::pi * x);
+    EXPECT_TRUE(loops.contains({x, y + 0.05})) << x;
+    EXPECT_FALSE(loops.contains({x, y - 0.05})) << x;
   }
 }
 

@@ -1,7 +1,8 @@
 #include "surfaces/loop_polygons.h"
 
 #include <BRepAdaptor_Curve.hxx>
-#include <GCPnts_QuasiUniformDeflection.hxx>
+#include <GCPnts_TangentialDeflection.hxx>
+#include <TColStd_Array1OfReal.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <algorithm>
@@ -11,6 +12,8 @@ namespace phront::cad {
 namespace {
 
 constexpr std::size_t kMostRows = 2000;
+constexpr double kMostTurn = 0.2;  // rad between sides
+constexpr int kLeastPoints = 4;    // of each span of a curve
 
 }  // namespace
 
@@ -21,17 +24,21 @@ LoopPolygons::LoopPolygons(const TopoDS_Face& face, double chord) {
   for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
     const TopAbs_Orientation way = it.Current().Orientation();
     if (way != TopAbs_FORWARD && way != TopAbs_REVERSED) continue;  // not of a loop
-    const GCPnts_QuasiUniformDeflection points(BRepAdaptor_Curve(TopoDS::Edge(it.Current())),
-                                               chord);
-    if (!points.IsDone()) continue;
-    for (int i = 1; i < points.NbPoints(); ++i) {
-      const gp_Pnt a = points.Value(i);
-      const gp_Pnt b = points.Value(i + 1);
-      Side side{{a.X(), a.Y()}, {b.X(), b.Y()}};
-      if (side.low[1] > side.high[1]) std::swap(side.low, side.high);
-      bottom_ = std::min(bottom_, side.low[1]);
-      top = std::max(top, side.high[1]);
-      sides.push_back(side);
+    const BRepAdaptor_Curve curve(TopoDS::Edge(it.Current()));
+    TColStd_Array1OfReal spans(1, curve.NbIntervals(GeomAbs_CN) + 1);
+    curve.Intervals(spans, GeomAbs_CN);
+    for (int k = 1; k < spans.Length(); ++k) {
+      const GCPnts_TangentialDeflection points(curve, spans(k), spans(k + 1), kMostTurn, chord,
+                                               kLeastPoints);
+      for (int i = 1; i < points.NbPoints(); ++i) {
+        const gp_Pnt a = points.Value(i);
+        const gp_Pnt b = points.Value(i + 1);
+        Side side{{a.X(), a.Y()}, {b.X(), b.Y()}};
+        if (side.low[1] > side.high[1]) std::swap(side.low, side.high);
+        bottom_ = std::min(bottom_, side.low[1]);
+        top = std::max(top, side.high[1]);
+        sides.push_back(side);
+      }
     }
   }
   if (sides.empty() || !(top > bottom_)) return;
