@@ -14,6 +14,7 @@
 
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
+#include <GeomAdaptor_Surface.hxx>
 #include <GeomConvert.hxx>
 #include <GeomConvert_ApproxSurface.hxx>
 #include <Geom_BSplineSurface.hxx>
@@ -24,6 +25,7 @@
 #include <Geom_RectangularTrimmedSurface.hxx>
 #include <Geom_SweptSurface.hxx>
 #include <Standard_Failure.hxx>
+#include <TColStd_Array1OfReal.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <algorithm>
@@ -224,31 +226,58 @@ struct Return {
   int smooth = 0, within = 0;
 };
 
-/// Least of (S_d,u x S_d,v) . (S_u x S_v) over its square: 1 for a plane, 0 where the offset folds.
-double leastStretch(const Geom_Surface& original, const Geom_Surface& offset,
-                    const ParameterBox& box) {
-  double least = std::numeric_limits<double>::infinity();
+/// (S_d,u x S_d,v) . (S_u x S_v) over its square, of S_d = S + d n: 1 for a plane, 0 where it
+/// folds.
+double stretch(const Geom_Surface& surface, double u, double v, double distance) {
+  gp_Pnt p;
+  gp_Vec du;
+  gp_Vec dv;
+  gp_Vec duu;
+  gp_Vec dvv;
+  gp_Vec duv;
+  surface.D2(u, v, p, du, dv, duu, dvv, duv);
+  const gp_Vec cross = du.Crossed(dv);
+  const double area = cross.Magnitude();
+  const gp_Vec normal = cross / area;
+  const auto slope = [&](const gp_Vec& ofCross) {
+    return (ofCross - normal * normal.Dot(ofCross)) / area;
+  };
+  const gp_Vec nu = slope(duu.Crossed(dv) + du.Crossed(duv));
+  const gp_Vec nv = slope(duv.Crossed(dv) + du.Crossed(dvv));
+  return (du + nu * distance).Crossed(dv + nv * distance).Dot(normal) / area;
+}
+
+/// Nowhere near folding, at the nodes of a grid and along the knots, where ripples lie.
+bool isSmooth(const Handle(Geom_Surface) & surface, const ParameterBox& box, double distance) {
+  constexpr double kLeastStretch = 0.3;
+  bool smooth = true;
   overGrid(box, [&](double u, double v) {
-    gp_Pnt p;
-    gp_Vec du;
-    gp_Vec dv;
-    original.D1(u, v, p, du, dv);
-    const gp_Vec before = du.Crossed(dv);
-    offset.D1(u, v, p, du, dv);
-    least = std::min(least, du.Crossed(dv).Dot(before) / before.SquareMagnitude());
+    smooth = smooth && stretch(*surface, u, v, distance) > kLeastStretch;
   });
-  return least;
+  const GeomAdaptor_Surface spans(surface, box.u.low, box.u.high, box.v.low, box.v.high);
+  TColStd_Array1OfReal us(1, spans.NbUIntervals(GeomAbs_CN) + 1);
+  TColStd_Array1OfReal vs(1, spans.NbVIntervals(GeomAbs_CN) + 1);
+  spans.UIntervals(us, GeomAbs_CN);
+  spans.VIntervals(vs, GeomAbs_CN);
+  for (int i = 0; i <= kGrid && smooth; ++i) {
+    for (const double u : us)
+      smooth = smooth && stretch(*surface, u, box.v.low + (box.v.high - box.v.low) * i / kGrid,
+                                 distance) > kLeastStretch;
+    for (const double v : vs)
+      smooth = smooth && stretch(*surface, box.u.low + (box.u.high - box.u.low) * i / kGrid, v,
+                                 distance) > kLeastStretch;
+  }
+  return smooth;
 }
 
 Result<Approximation> thereAndBack(const Handle(Geom_Surface) & surface, const ParameterBox& box,
                                    double distance, double tolerance) {
-  constexpr double kLeastStretch = 0.3;
+  if (!isSmooth(surface, box, distance)) return fail(ErrorCode::NotSupported, "not smooth");
   NurbsOffsetOptions options{
       .distance = distance, .tolerance = tolerance, .knots = KnotRule::Fewest, .reversible = true};
   const Result<std::vector<OffsetPiece>> there = offsetGeom(surface, box, options);
   if (!there) return tl::unexpected(there.error());
-  if (there->size() != 1 || !(leastStretch(*surface, *there->front().surface, box) > kLeastStretch))
-    return fail(ErrorCode::NotSupported, "not smooth");
+  if (there->size() != 1) return fail(ErrorCode::NotSupported, "not smooth");
   options.distance = -distance;
   const Result<std::vector<OffsetPiece>> back =
       offsetGeom(there->front().surface, there->front().box, options);

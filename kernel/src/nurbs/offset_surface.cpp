@@ -33,10 +33,16 @@ std::vector<double> linesAcross(const Knots& knots) {
   return some;
 }
 
-/// Some in each span of an offset's knots, more of them the more an error can swing there; and no
-/// span of the original's is passed over.
+/// Some in each span of an offset's knots, more of them the more an error can swing there, and at
+/// both ends of the domain, where it swings fastest; and no span of the original's is passed over.
 std::vector<double> samplesFor(const Knots& offset, const Knots& original) {
   std::vector<double> samples = densely(offset, std::max(offset.degree + 2, 2 * offset.degree));
+  const double first = samples[1] - samples[0];
+  const double last = samples[samples.size() - 1] - samples[samples.size() - 2];
+  for (const double share : {0.25, 0.5, 0.75}) {
+    samples.push_back(offset.first() + share * first);
+    samples.push_back(offset.last() - share * last);
+  }
   const std::vector<double> others = densely(original, kPerOriginalSpan);
   samples.insert(samples.end(), others.begin(), others.end());
   std::sort(samples.begin(), samples.end());
