@@ -48,8 +48,9 @@ namespace {
 
 constexpr int kGrid = 61;
 constexpr double kSecondsEach = 60;
-constexpr double kNoNormal = 1e-8;  // of the largest |S_u x S_v|
-constexpr double kRoundOff = 1e-9;  // of |d|: errors below are none
+constexpr double kNoNormal = 1e-8;    // of the largest |S_u x S_v|
+constexpr double kDegenerate = 1e-6;  // of the largest |S_u x S_v|
+constexpr double kRoundOff = 1e-9;    // of |d|: errors below are none
 
 struct Approximation {
   int poles = 0;
@@ -92,6 +93,19 @@ void overGrid(const ParameterBox& box, const Visit& visit) {
   }
 }
 
+/// Largest |S_u x S_v|.
+double typicalArea(const Geom_Surface& surface, const ParameterBox& box) {
+  gp_Pnt p;
+  gp_Vec du;
+  gp_Vec dv;
+  double typical = 0;
+  overGrid(box, [&](double u, double v) {
+    surface.D1(u, v, p, du, dv);
+    typical = std::max(typical, du.Crossed(dv).Magnitude());
+  });
+  return typical;
+}
+
 /// Largest distance from P + d n where there is a normal. Where the original folds back on itself
 /// S_u x S_v turns over; either side is right there.
 double errorOf(const Geom_Surface& original, const Geom_Surface& offset, const ParameterBox& box,
@@ -99,11 +113,7 @@ double errorOf(const Geom_Surface& original, const Geom_Surface& offset, const P
   gp_Pnt p;
   gp_Vec du;
   gp_Vec dv;
-  double typical = 0;
-  overGrid(box, [&](double u, double v) {
-    original.D1(u, v, p, du, dv);
-    typical = std::max(typical, du.Crossed(dv).Magnitude());
-  });
+  const double typical = typicalArea(original, box);
   double most = 0;
   overGrid(box, [&](double u, double v) {
     original.D1(u, v, p, du, dv);
@@ -227,8 +237,8 @@ struct Return {
 };
 
 /// (S_d,u x S_d,v) . (S_u x S_v) over its square, of S_d = S + d n: 1 for a plane, 0 where it
-/// folds.
-double stretch(const Geom_Surface& surface, double u, double v, double distance) {
+/// folds, and where S itself is degenerate.
+double stretch(const Geom_Surface& surface, double u, double v, double distance, double typical) {
   gp_Pnt p;
   gp_Vec du;
   gp_Vec dv;
@@ -238,6 +248,7 @@ double stretch(const Geom_Surface& surface, double u, double v, double distance)
   surface.D2(u, v, p, du, dv, duu, dvv, duv);
   const gp_Vec cross = du.Crossed(dv);
   const double area = cross.Magnitude();
+  if (!(area > kDegenerate * typical)) return 0;
   const gp_Vec normal = cross / area;
   const auto slope = [&](const gp_Vec& ofCross) {
     return (ofCross - normal * normal.Dot(ofCross)) / area;
@@ -247,27 +258,33 @@ double stretch(const Geom_Surface& surface, double u, double v, double distance)
   return (du + nu * distance).Crossed(dv + nv * distance).Dot(normal) / area;
 }
 
-/// Nowhere near folding, at the nodes of a grid and along the knots, where ripples lie.
+/// Parameters all over a range and in each span of the knots, where ripples lie.
+std::vector<double> spread(const TColStd_Array1OfReal& knots) {
+  std::vector<double> all;
+  for (int k = knots.Lower(); k < knots.Upper(); ++k) {
+    for (const double share : {0.0, 0.25, 0.5, 0.75})
+      all.push_back(knots(k) + share * (knots(k + 1) - knots(k)));
+  }
+  for (int i = 0; i <= kGrid; ++i)
+    all.push_back(knots.First() + (knots.Last() - knots.First()) * i / kGrid);
+  return all;
+}
+
+/// Nowhere degenerate or near folding.
 bool isSmooth(const Handle(Geom_Surface) & surface, const ParameterBox& box, double distance) {
   constexpr double kLeastStretch = 0.3;
-  bool smooth = true;
-  overGrid(box, [&](double u, double v) {
-    smooth = smooth && stretch(*surface, u, v, distance) > kLeastStretch;
-  });
   const GeomAdaptor_Surface spans(surface, box.u.low, box.u.high, box.v.low, box.v.high);
   TColStd_Array1OfReal us(1, spans.NbUIntervals(GeomAbs_CN) + 1);
   TColStd_Array1OfReal vs(1, spans.NbVIntervals(GeomAbs_CN) + 1);
   spans.UIntervals(us, GeomAbs_CN);
   spans.VIntervals(vs, GeomAbs_CN);
-  for (int i = 0; i <= kGrid && smooth; ++i) {
-    for (const double u : us)
-      smooth = smooth && stretch(*surface, u, box.v.low + (box.v.high - box.v.low) * i / kGrid,
-                                 distance) > kLeastStretch;
-    for (const double v : vs)
-      smooth = smooth && stretch(*surface, box.u.low + (box.u.high - box.u.low) * i / kGrid, v,
-                                 distance) > kLeastStretch;
+  const std::vector<double> lines = spread(vs);
+  const double typical = typicalArea(*surface, box);
+  for (const double u : spread(us)) {
+    for (const double v : lines)
+      if (!(stretch(*surface, u, v, distance, typical) > kLeastStretch)) return false;
   }
-  return smooth;
+  return true;
 }
 
 Result<Approximation> thereAndBack(const Handle(Geom_Surface) & surface, const ParameterBox& box,
