@@ -13,9 +13,8 @@ namespace phront {
 namespace {
 
 constexpr int kMostRounds = 40;
-constexpr double kNarrowest = 1e-8;  // span of the domain: where cutting does not help
-constexpr int kMostPieces = 4;       // of a span in one round
-constexpr int kSingles = 6;          // knots tried alone when no two of them can go
+constexpr int kMostPieces = 4;  // of a span in one round
+constexpr int kSingles = 6;     // knots tried alone when no two of them can go
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 Eigen::Index at(std::size_t i) { return static_cast<Eigen::Index>(i); }
@@ -241,7 +240,7 @@ std::optional<Knots> refinedKnots(const CurveBundle& curves, Knots knots, const 
         spanErrors(knots, fitted, curves.at(parameters), curves.stride);
     if (*std::max_element(errors.begin(), errors.end()) <= limits.tolerance) return knots;
     const double domain = knots.last() - knots.first();
-    if (narrowest(knots, errors, limits.tolerance) < kNarrowest * domain) break;
+    if (narrowest(knots, errors, limits.tolerance) < limits.narrowest * domain) break;
     knots = cut(knots, errors, limits.tolerance, order);
   }
   return std::nullopt;

@@ -29,6 +29,7 @@ using PolesOf = std::function<Rows(const Knots&)>;
 struct KnotLimits {
   double tolerance = 0;
   std::size_t maxPoles = 0;
+  double narrowest = 1e-8;  ///< span, of the domain: where cutting does not help
 };
 
 /// `knots`, and more where `polesOf` them miss the curves by more than the tolerance; the error is

@@ -15,7 +15,8 @@
 namespace phront {
 namespace {
 
-constexpr std::size_t kMostLines = 24;  // sampled across a surface
+constexpr double kNarrowestOfFolded = 1e-3;  // span, of the domain
+constexpr std::size_t kMostLines = 24;       // sampled across a surface
 constexpr double kFarFromPole = 1e-3;   // |S_u x S_v| of the typical: below, normals are left alone
 constexpr double kTightest = 0.6;       // of the tolerance, in one round
 constexpr double kBySum = 2.5;          // times the tolerance: errors of u and v may add up to it
@@ -70,9 +71,20 @@ class SurfaceOffsetter {
       return fail(ErrorCode::InvalidArgument,
                   "The surface has no normal anywhere: it is a curve or a point.", "surface");
     }
+    if (!target_.folds()) return fewestPoles(progress);
+    // Swinging normals ask for ever narrower spans: not for long without smoothing.
+    const auto tooMany = [](const Result<SurfaceOffset>& offset) {
+      return !offset && offset.error().code == ErrorCode::ResourceLimit;
+    };
+    narrowest_ = kNarrowestOfFolded;
     Result<SurfaceOffset> offset = fewestPoles(progress);
-    const bool tooMany = !offset && offset.error().code == ErrorCode::ResourceLimit;
-    return tooMany && target_.smoothFolds() ? fewestPoles(progress) : offset;
+    narrowest_ = KnotLimits().narrowest;
+    for (const bool smooth : {true, false}) {
+      if (!tooMany(offset)) break;
+      target_.smoothFolds(smooth);
+      offset = fewestPoles(progress);
+    }
+    return offset;
   }
 
  private:
@@ -128,6 +140,9 @@ class SurfaceOffsetter {
   };
 
   [[nodiscard]] std::size_t most() const { return static_cast<std::size_t>(options_.maxPoles); }
+  [[nodiscard]] KnotLimits limits(double tolerance, std::size_t maxPoles) const {
+    return {.tolerance = tolerance, .maxPoles = maxPoles, .narrowest = narrowest_};
+  }
   [[nodiscard]] const Knots& original(bool u) const { return u ? surface_.u : surface_.v; }
 
   [[nodiscard]] CurveBundle linesAlong(bool u, const std::vector<Location>& missed) const {
@@ -144,9 +159,9 @@ class SurfaceOffsetter {
 
   [[nodiscard]] std::optional<Knots> refined(bool u, const CurveBundle& lines,
                                              double tolerance) const {
-    return refinedKnots(lines, original(u),
-                        [&](const Knots& knots) { return fittedPoles(lines, knots); },
-                        original(u).degree + 1, {tolerance, most()});
+    return refinedKnots(
+        lines, original(u), [&](const Knots& knots) { return fittedPoles(lines, knots); },
+        original(u).degree + 1, limits(tolerance, most()));
   }
 
   [[nodiscard]] std::optional<Knots> fewest(bool u, const CurveBundle& lines,
@@ -154,7 +169,8 @@ class SurfaceOffsetter {
     std::optional<Knots> best;
     for (const int degree : degreesFor(original(u).degree)) {
       const std::size_t limit = best ? kPrunable * best->poleCount() : most();
-      std::optional<Knots> other = fewestKnots(lines, original(u), degree, {tolerance, limit});
+      std::optional<Knots> other =
+          fewestKnots(lines, original(u), degree, limits(tolerance, limit));
       if (other && (!best || other->poleCount() < best->poleCount())) best = std::move(other);
     }
     return best;
@@ -337,6 +353,7 @@ class SurfaceOffsetter {
   const NurbsSurface& surface_;
   const NurbsOffsetOptions& options_;
   OffsetSurface target_;
+  double narrowest_ = KnotLimits().narrowest;  // span, of the domain
 };
 
 }  // namespace

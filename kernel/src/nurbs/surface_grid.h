@@ -29,10 +29,10 @@ class OffsetSurface {
  public:
   OffsetSurface(const NurbsSurface& surface, double distance);
 
+  [[nodiscard]] bool folds() const { return !normals_.empty(); }
   /// Of a surface that was fitted to a fold, S_u x S_v swings through every direction in a narrow
-  /// band there: from now on normals in it are interpolated between those beside it. False where
-  /// nothing folds.
-  bool smoothFolds() { return smoothed_ = !normals_.empty(); }
+  /// band there. Smooth: normals in the band are interpolated between those beside it.
+  void smoothFolds(bool smooth) { smoothed_ = smooth && folds(); }
 
   [[nodiscard]] bool hasNormals() const { return typical_ > 0; }
   [[nodiscard]] double typicalCross() const { return typical_; }  ///< |S_u x S_v|
