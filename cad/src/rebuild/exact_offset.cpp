@@ -106,7 +106,7 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     assembly = assembleSolids(judged, options, phi);
   // What took long would do so again: the time is better spent on the next setting.
   const double spent = std::chrono::duration<double>(Clock::now() - start).count();
-  const bool inTime = spent < kRepairShare * setting.timeLimit;
+  const bool inTime = setting.alwaysRepair || spent < kRepairShare * setting.timeLimit;
   if (solid && setting.repairSeconds > 0 && inTime && !isSound(assembly, std::abs(distance))) {
     const RepairRequest request{options, setting.fuzzy * diagonal, levelTolerance, judgedOf};
     Result<Assembly> repaired =
