@@ -133,9 +133,8 @@ int PieceFront::cellsFor(double length, int least) const {
                                      double(least), double(kMostGrid)));
 }
 
-std::vector<double> PieceFront::withKnots(Eigen::Index axis, std::vector<double> values) const {
-  const auto [low, high] = std::minmax_element(values.begin(), values.end());
-  const Interval range{*low, *high};
+std::vector<double> PieceFront::withKnots(Eigen::Index axis, const Interval& range,
+                                          std::vector<double> values) const {
   for (const double knot : knots_[static_cast<std::size_t>(axis)])
     if (range.low < knot && knot < range.high) values.push_back(knot);
   std::sort(values.begin(), values.end());
@@ -146,7 +145,7 @@ std::vector<double> PieceFront::middles(Eigen::Index axis, const Interval& range
   std::vector<double> values;
   for (int i = 0; i < count; ++i)
     values.push_back(range.low + (range.high - range.low) * (i + 0.5) / count);
-  return withKnots(axis, std::move(values));
+  return withKnots(axis, range, std::move(values));
 }
 
 void PieceFront::sampleInside(int least, bool beyond) {
@@ -260,7 +259,7 @@ std::vector<Contour> PieceFront::gridLines(int cells) const {
     std::vector<double> values;
     for (int i = 0; i <= cells; ++i)
       values.push_back(options.low[axis] + (options.high[axis] - options.low[axis]) * i / cells);
-    return withKnots(axis, std::move(values));
+    return withKnots(axis, {options.low[axis], options.high[axis]}, std::move(values));
   };
   return gridContours(clearance_, options.chord, along(0), along(1));
 }

@@ -66,7 +66,8 @@ class PieceFront {
  private:
   [[nodiscard]] Vec3 pointAt(const Vec2& x) const;
   [[nodiscard]] bool valid(const Vec2& x) const;
-  [[nodiscard]] std::vector<double> withKnots(Eigen::Index axis, std::vector<double> values) const;
+  [[nodiscard]] std::vector<double> withKnots(Eigen::Index axis, const Interval& range,
+                                              std::vector<double> values) const;
   void seedInwards(const Vec2& x, const Vec2& inward);
   [[nodiscard]] ContourOptions lineOptions() const;
 

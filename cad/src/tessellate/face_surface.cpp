@@ -25,8 +25,8 @@ namespace {
 
 constexpr int kNewtonSteps = 30;
 constexpr double kLeastCurvature = 0.005;  // of the squared distance, relative to the metric
-constexpr double kLooseResidual = 1e3;    // of the tolerance, where round-off stops the descent
-constexpr int kPlaneSamples = 9;          // per direction, for surfaces without poles
+constexpr double kLooseResidual = 1e3;     // of the tolerance, where round-off stops the descent
+constexpr int kPlaneSamples = 9;           // per direction, for surfaces without poles
 // sin of the angle between Su and Sv, and length of either against the other scale, below which a
 // point counts as singular: well above round-off of a cross product.
 constexpr double kSingularSine = 1e-9;
@@ -101,6 +101,17 @@ void torusParameters(const gp_Torus& torus, const gp_Pnt& p, double vLow, double
     u = across;
     v = vAcross;
   }
+}
+
+/// Where the distance has no minimum near by (beyond a centre of curvature): Newton's step with the
+/// absolute curvatures, relative to the metric (modified Newton; Gill & Murray 1974).
+Eigen::Vector2d descent(const Eigen::Matrix2d& hessian, const Eigen::Matrix2d& metric,
+                        const Eigen::Vector2d& gradient) {
+  const Eigen::Matrix2d regular = metric + 1e-9 * metric.trace() * Eigen::Matrix2d::Identity();
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> solver(hessian, regular);
+  const Eigen::Vector2d curvatures = solver.eigenvalues().cwiseAbs().cwiseMax(kLeastCurvature);
+  return solver.eigenvectors() *
+         (solver.eigenvectors().transpose() * gradient).cwiseQuotient(curvatures);
 }
 
 }  // namespace
@@ -184,21 +195,6 @@ SurfaceFoot FaceSurface::foot(const Vec3& x, double tolerance, Eigen::Vector2d s
   foot.point = point(foot.uv);
   return foot;
 }
-
-namespace {
-
-/// Where the distance has no minimum near by (beyond a centre of curvature): Newton's step with the
-/// absolute curvatures, relative to the metric (modified Newton; Gill & Murray 1974).
-Eigen::Vector2d descent(const Eigen::Matrix2d& hessian, const Eigen::Matrix2d& metric,
-                        const Eigen::Vector2d& gradient) {
-  const Eigen::Matrix2d regular = metric + 1e-9 * metric.trace() * Eigen::Matrix2d::Identity();
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> solver(hessian, regular);
-  const Eigen::Vector2d curvatures = solver.eigenvalues().cwiseAbs().cwiseMax(kLeastCurvature);
-  return solver.eigenvectors() *
-         (solver.eigenvectors().transpose() * gradient).cwiseQuotient(curvatures);
-}
-
-}  // namespace
 
 SurfaceFoot FaceSurface::newtonFoot(const Vec3& x, double tolerance,
                                     const Eigen::Vector2d& start) const {

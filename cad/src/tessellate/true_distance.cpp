@@ -271,13 +271,14 @@ Candidate TrueDistance::Impl::refine(const Vec3& x, const FootPoint& foot) const
   const SurfaceFoot onFace = face.surface().foot(x, kResidual * diagonal, start.uv);
   result.uv = onFace.uv;
   result.point = onFace.point;
-  const bool inside = insideDomain(start.face, foot.triangle, result.uv, result.point);
+  const bool inside =
+      !onFace.atBound && insideDomain(start.face, foot.triangle, result.uv, result.point);
   if (inside) {
     result.distance = (x - result.point).norm();
     result.feature = {FeatureKind::Face, start.face};
   }
   // At a centre of curvature feet are too flat to converge: no farther than this one they are.
-  if (!inside || !onFace.converged || onFace.atBound) {
+  if (!inside || !onFace.converged) {
     const Candidate border = borderFoot(x, start.face);
     if (!inside || border.distance <= result.distance) result = border;
   }
