@@ -66,7 +66,8 @@ using CurveNormal = std::function<Vec3(double t)>;
 /// from inside; where the surface folds back on itself it does not turn over with S_u x S_v, but
 /// goes on as it is where the surface is stretched most. A surface that was fitted to a fold has
 /// normals that swing through every direction in a narrow band there: where they ask for too many
-/// poles, those beside the band are interpolated. Fails as for curves, and with Cancelled.
+/// poles, what is left of S_u x S_v on the fold is taken off beside it. Fails as for curves, and
+/// with Cancelled.
 [[nodiscard]] Result<SurfaceOffset> offsetNurbs(const NurbsSurface& surface,
                                                 const NurbsOffsetOptions& options,
                                                 const Progress& progress = {});

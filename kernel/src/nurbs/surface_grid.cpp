@@ -16,10 +16,12 @@ constexpr std::size_t kTypicalSamples = 7;
 constexpr std::size_t kFoldSamples = 20;  // along a direction, in search of folds
 constexpr std::size_t kLeastInSpan = 2;   // of these
 constexpr std::size_t kMostFoldSamples = 300;
-constexpr double kTurnedOver = -0.5;  // cosine between neighbours' normals
-constexpr double kOnFold = 1e-5;      // of the typical |S_u x S_v|: below, normals say nothing
-constexpr double kBesideFold = 6e-3;  // the same: below, they may swing
-constexpr double kFirstStep = 1e-3;   // of the domain, out of where they may
+constexpr double kTurnedOver = -0.5;   // cosine between neighbours' normals
+constexpr double kOnFold = 1e-5;       // of the typical |S_u x S_v|: below, normals say nothing
+constexpr double kBesideFold = 0.1;    // the same: below, they may swing
+constexpr double kOnRoot = 1e-11;      // the same: along the normal, none
+constexpr double kMostResidue = 1e-3;  // the same
+constexpr int kSecants = 12;
 
 /// Parameters all over a domain, in each span some unless there are very many.
 std::vector<double> spreadOver(const Knots& knots) {
@@ -187,12 +189,15 @@ void OffsetSurface::findFolds() {
 
 Vec3 OffsetSurface::unfolded(double u, double v, const Vec3& normal) const {
   if (normals_.empty()) return normal;
+  return normal.dot(turnedLike(u, v)) < 0 ? Vec3(-normal) : normal;
+}
+
+const Vec3& OffsetSurface::turnedLike(double u, double v) const {
   const auto nearest = [](const std::vector<double>& all, double t) {
     const auto after = std::lower_bound(all.begin() + 1, all.end() - 1, t);
     return static_cast<std::size_t>(after - all.begin()) - (*after - t > t - *(after - 1) ? 1 : 0);
   };
-  const Vec3& like = normals_[nearest(us_, u) + nearest(vs_, v) * us_.size()];
-  return normal.dot(like) < 0 ? Vec3(-normal) : normal;
+  return normals_[nearest(us_, u) + nearest(vs_, v) * us_.size()];
 }
 
 Vec3 OffsetSurface::cross(double u, double v) const {
@@ -204,13 +209,13 @@ Vec3 OffsetSurface::normal(double u, double v) const { return normal(u, v, cross
 
 Vec3 OffsetSurface::normal(double u, double v, const Vec3& cross) const {
   const double length = cross.norm();
-  const bool swings = smoothed_ && length < kBesideFold * typical_;
-  if (length <= kDegenerate * typical_) return swings ? besideFold(u, v) : limit(u, v);
-  const Vec3 own = unfolded(u, v, cross / length);
-  if (!swings) return own;
-  // All of the neighbours' in the inner half, none at the rim.
-  const double share = std::min(1.0, 2 - 2 * length / (kBesideFold * typical_));
-  return (own + share * (besideFold(u, v) - own)).normalized();
+  if (smoothed_ && length < kBesideFold * typical_) {
+    // All of the residue in the inner half, none at the rim.
+    const double share = std::min(1.0, 2 - 2 * length / (kBesideFold * typical_));
+    const Vec3 clean = cross - share * residue(u, v);
+    if (clean.norm() > kDegenerate * typical_) return unfolded(u, v, clean.normalized());
+  }
+  return length > kDegenerate * typical_ ? unfolded(u, v, cross / length) : limit(u, v);
 }
 
 Vec3 OffsetSurface::limit(double u, double v) const {
@@ -238,36 +243,39 @@ Vec3 OffsetSurface::limit(double u, double v) const {
   return unfolded(u, v, limit.normalized());
 }
 
-std::optional<Vec3> OffsetSurface::clearNormal(double u, double v) const {
-  const auto within = [](const Knots& knots, double t) {
-    return knots.first() <= t && t <= knots.last();
-  };
-  if (!within(surface_.u, u) || !within(surface_.v, v)) return std::nullopt;
-  const Vec3 n = cross(u, v);
-  if (n.norm() < kBesideFold * typical_) return std::nullopt;
-  return unfolded(u, v, n.normalized());
+std::optional<Vec3> OffsetSurface::residueAlong(bool alongU, double u, double v) const {
+  const Knots& knots = alongU ? surface_.u : surface_.v;
+  const Vec3& like = turnedLike(u, v);
+  const auto at = [&](double t) { return alongU ? cross(t, v) : cross(u, t); };
+  const double start = alongU ? u : v;
+  const double step = kIntoDomain * (knots.last() - knots.first());
+  // Secants to where S_u x S_v has no part along the normal.
+  double before = start + step <= knots.last() ? start + step : start - step;
+  double valueBefore = at(before).dot(like);
+  double here = start;
+  for (int i = 0; i < kSecants; ++i) {
+    const Vec3 c = at(here);
+    const double value = c.dot(like);
+    if (std::abs(value) <= kOnRoot * typical_) {
+      const Vec3 residue = c - value * like;
+      // Else not on a fold, but where the normal has turned away.
+      return residue.norm() <= kMostResidue * typical_ ? std::optional(residue) : std::nullopt;
+    }
+    if (value == valueBefore) return std::nullopt;
+    const double next = here - value * (here - before) / (value - valueBefore);
+    if (!(knots.first() <= next && next <= knots.last())) return std::nullopt;
+    before = here;
+    valueBefore = value;
+    here = next;
+  }
+  return std::nullopt;
 }
 
-Vec3 OffsetSurface::besideFold(double u, double v) const {
-  // From both sides or one, along u or v, whichever leaves the fold sooner.
-  for (double step = kFirstStep; step < 1; step *= 2) {
-    for (const bool alongU : {true, false}) {
-      const double stepU = alongU ? step * (surface_.u.last() - surface_.u.first()) : 0;
-      const double stepV = alongU ? 0 : step * (surface_.v.last() - surface_.v.first());
-      const auto at = [&](int k) { return clearNormal(u + k * stepU, v + k * stepV); };
-      const auto before = at(-1);
-      const auto after = at(1);
-      const auto farBefore = at(-2);
-      const auto farAfter = at(2);
-      if (before && after && farBefore && farAfter)
-        return (4 * (*before + *after) - *farBefore - *farAfter).normalized();
-      if (const auto third = at(3); !before && after && farAfter && third)
-        return (3 * *after - 3 * *farAfter + *third).normalized();
-      if (const auto third = at(-3); !after && before && farBefore && third)
-        return (3 * *before - 3 * *farBefore + *third).normalized();
-    }
-  }
-  return limit(u, v);
+Vec3 OffsetSurface::residue(double u, double v) const {
+  const auto alongU = residueAlong(true, u, v);
+  const auto alongV = residueAlong(false, u, v);
+  if (alongU && alongV) return 0.5 * (*alongU + *alongV);
+  return alongU ? *alongU : alongV.value_or(Vec3::Zero());
 }
 
 Vec3 OffsetSurface::point(double u, double v) const {

@@ -31,7 +31,7 @@ class OffsetSurface {
 
   [[nodiscard]] bool folds() const { return !normals_.empty(); }
   /// Of a surface that was fitted to a fold, S_u x S_v swings through every direction in a narrow
-  /// band there. Smooth: normals in the band are interpolated between those beside it.
+  /// band there. Smooth: what is left of S_u x S_v on the fold itself is taken off beside it.
   void smoothFolds(bool smooth) { smoothed_ = smooth && folds(); }
 
   [[nodiscard]] bool hasNormals() const { return typical_ > 0; }
@@ -47,11 +47,13 @@ class OffsetSurface {
   [[nodiscard]] Vec3 cross(double u, double v) const;
   [[nodiscard]] Vec3 normal(double u, double v, const Vec3& cross) const;
   [[nodiscard]] Vec3 limit(double u, double v) const;  ///< where S_u x S_v vanishes
-  /// None outside the domain, and beside a fold.
-  [[nodiscard]] std::optional<Vec3> clearNormal(double u, double v) const;
-  [[nodiscard]] Vec3 besideFold(double u, double v) const;  ///< of the clear normals around
+  /// What S_u x S_v keeps on the fold, where its part along the normal vanishes: it turns the
+  /// direction beside the fold. Sought along u or v; none where the domain ends first.
+  [[nodiscard]] std::optional<Vec3> residueAlong(bool alongU, double u, double v) const;
+  [[nodiscard]] Vec3 residue(double u, double v) const;
   /// Normals sampled all over the surface, none turned over; nothing when no fold was found.
   void findFolds();
+  [[nodiscard]] const Vec3& turnedLike(double u, double v) const;  ///< the nearest of them
   [[nodiscard]] Vec3 unfolded(double u, double v, const Vec3& normal) const;
 
   const NurbsSurface& surface_;
