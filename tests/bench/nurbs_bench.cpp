@@ -94,16 +94,16 @@ void overGrid(const ParameterBox& box, const Visit& visit) {
 }
 
 /// Largest |S_u x S_v|.
-double typicalArea(const Geom_Surface& surface, const ParameterBox& box) {
+double largestArea(const Geom_Surface& surface, const ParameterBox& box) {
   gp_Pnt p;
   gp_Vec du;
   gp_Vec dv;
-  double typical = 0;
+  double largest = 0;
   overGrid(box, [&](double u, double v) {
     surface.D1(u, v, p, du, dv);
-    typical = std::max(typical, du.Crossed(dv).Magnitude());
+    largest = std::max(largest, du.Crossed(dv).Magnitude());
   });
-  return typical;
+  return largest;
 }
 
 /// Largest distance from P + d n where there is a normal. Where the original folds back on itself
@@ -113,12 +113,12 @@ double errorOf(const Geom_Surface& original, const Geom_Surface& offset, const P
   gp_Pnt p;
   gp_Vec du;
   gp_Vec dv;
-  const double typical = typicalArea(original, box);
+  const double largest = largestArea(original, box);
   double most = 0;
   overGrid(box, [&](double u, double v) {
     original.D1(u, v, p, du, dv);
     gp_Vec n = du.Crossed(dv);
-    if (!(n.Magnitude() > kNoNormal * typical)) return;
+    if (!(n.Magnitude() > kNoNormal * largest)) return;
     n.Normalize();
     const gp_Pnt q = offset.Value(u, v);
     most = std::max(most, std::min(q.Distance(p.Translated(n * distance)),
@@ -238,7 +238,7 @@ struct Return {
 
 /// (S_d,u x S_d,v) . (S_u x S_v) over its square, of S_d = S + d n: 1 for a plane, 0 where it
 /// folds, and where S itself is degenerate.
-double stretch(const Geom_Surface& surface, double u, double v, double distance, double typical) {
+double stretch(const Geom_Surface& surface, double u, double v, double distance, double largest) {
   gp_Pnt p;
   gp_Vec du;
   gp_Vec dv;
@@ -248,7 +248,7 @@ double stretch(const Geom_Surface& surface, double u, double v, double distance,
   surface.D2(u, v, p, du, dv, duu, dvv, duv);
   const gp_Vec cross = du.Crossed(dv);
   const double area = cross.Magnitude();
-  if (!(area > kDegenerate * typical)) return 0;
+  if (!(area > kDegenerate * largest)) return 0;
   const gp_Vec normal = cross / area;
   const auto slope = [&](const gp_Vec& ofCross) {
     return (ofCross - normal * normal.Dot(ofCross)) / area;
@@ -279,10 +279,10 @@ bool isSmooth(const Handle(Geom_Surface) & surface, const ParameterBox& box, dou
   spans.UIntervals(us, GeomAbs_CN);
   spans.VIntervals(vs, GeomAbs_CN);
   const std::vector<double> lines = spread(vs);
-  const double typical = typicalArea(*surface, box);
+  const double largest = largestArea(*surface, box);
   for (const double u : spread(us)) {
     for (const double v : lines)
-      if (!(stretch(*surface, u, v, distance, typical) > kLeastStretch)) return false;
+      if (!(stretch(*surface, u, v, distance, largest) > kLeastStretch)) return false;
   }
   return true;
 }

@@ -104,7 +104,8 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     assembly = assembleSheet(judged, options, phi);
   else if (!setting.alwaysRepair)
     assembly = assembleSolids(judged, options, phi);
-  // What took long would do so again: the time is better spent on the next setting.
+  // What took long would do so again: the time is better spent on the next setting, unless repair
+  // is all that this one is for.
   const double spent = std::chrono::duration<double>(Clock::now() - start).count();
   const bool inTime = setting.alwaysRepair || spent < kRepairShare * setting.timeLimit;
   if (solid && setting.repairSeconds > 0 && inTime && !isSound(assembly, std::abs(distance))) {

@@ -11,9 +11,9 @@
 namespace phront::cad {
 namespace {
 
-constexpr std::size_t kMostRows = 2000;
-constexpr double kMostTurn = 0.2;  // rad between sides
-constexpr int kLeastPoints = 4;    // of each span of a curve
+constexpr std::size_t kMostRows = 2000;  // ranges of y
+constexpr double kMostTurn = 0.2;        // rad between sides
+constexpr int kLeastPoints = 4;          // of each span of a curve
 
 }  // namespace
 

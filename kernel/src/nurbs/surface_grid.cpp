@@ -20,7 +20,7 @@ constexpr double kTurnedOver = -0.5;   // cosine between neighbours' normals
 constexpr double kOnFold = 1e-5;       // of the typical |S_u x S_v|: below, normals say nothing
 constexpr double kBesideFold = 0.1;    // the same: below, they may swing
 constexpr double kOnRoot = 1e-11;      // the same: along the normal, none
-constexpr double kMostResidue = 1e-3;  // the same
+constexpr double kMostResidue = 1e-3;  // the same: more is no fold
 constexpr int kSecants = 12;
 
 /// Parameters all over a domain, in each span some unless there are very many.
@@ -257,9 +257,9 @@ std::optional<Vec3> OffsetSurface::residueAlong(bool alongU, double u, double v)
     const Vec3 c = at(here);
     const double value = c.dot(like);
     if (std::abs(value) <= kOnRoot * typical_) {
-      const Vec3 residue = c - value * like;
+      const Vec3 kept = c - value * like;
       // Else not on a fold, but where the normal has turned away.
-      return residue.norm() <= kMostResidue * typical_ ? std::optional(residue) : std::nullopt;
+      return kept.norm() <= kMostResidue * typical_ ? std::optional(kept) : std::nullopt;
     }
     if (value == valueBefore) return std::nullopt;
     const double next = here - value * (here - before) / (value - valueBefore);
