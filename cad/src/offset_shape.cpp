@@ -236,17 +236,12 @@ Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
   if (result.model.bodies.empty()) return std::filesystem::path();
   const OffsetOptions& made = result.report.options;
   const Recheck recheck = [&](const Model& back, double seconds) {
-    CheckOptions options;
-    options.distance = made.distance;
-    options.tolerance = made.tolerance;
-    options.join = made.join;
-    options.mitreLimit = made.mitreLimit;
-    options.samples = kOfferedSamples;
-    options.timeLimit = seconds;
-    return checkOffset(in, back, options);
+    return checkOffset(in, back, offeredCheck(made, seconds));
   };
-  return writeChecked(result.model, {path, keep, made.timeLimit, result.report.times}, recheck,
-                      result.report.check);
+  const std::vector<BodyReport>& bodies = result.report.bodies;
+  const std::size_t checked = bodies.size() == 1 ? bodies.front().checkedFile : 0;
+  return writeChecked(result.model, {path, keep, made.timeLimit, result.report.times, checked},
+                      recheck, result.report.check);
 }
 
 }  // namespace phront::cad

@@ -180,7 +180,7 @@ Result<std::filesystem::path> writeShell(const Model& in, ShellResult& result,
     options.timeLimit = seconds;
     return checkShell(in, back, options, kOfferedSamples);
   };
-  return writeChecked(result.model, {path, keep, made.timeLimit, result.report.times}, recheck,
+  return writeChecked(result.model, {path, keep, made.timeLimit, result.report.times, 0}, recheck,
                       result.report.check);
 }
 

@@ -20,9 +20,11 @@ struct WriteRequest {
   bool keep = false;                    ///< to `path` even if the check fails
   double timeLimit = 0;                 ///< s, of the work so far
   const std::vector<StageTime>& times;  ///< what it took
+  std::size_t checkedFile = 0;          ///< fingerprint of a file's shape that was checked; 0: none
 };
 
-/// Adds to `check` what fails in the file. Returns the path written.
+/// Adds to `check` what fails in the file, which is not checked again when its shape is the same as
+/// was checked. Returns the path written.
 [[nodiscard]] Result<std::filesystem::path> writeChecked(const Model& model,
                                                          const WriteRequest& request,
                                                          const Recheck& recheck,

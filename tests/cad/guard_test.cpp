@@ -16,6 +16,7 @@
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -138,6 +139,26 @@ TEST(Guard, TimeLimitHolds) {
   EXPECT_EQ(message, "reading a.step did not finish within 0.3 s");
   EXPECT_GE(seconds, 0.3);
   EXPECT_LT(seconds, 5);  // a busy machine may delay the kill
+}
+
+TEST(Guard, WhatIsNotNeededEnds) {
+  std::atomic<bool> cancelled = false;
+  std::thread other([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    cancelled = true;
+  });
+  const auto forever = []() -> Result<std::string> {
+    for (;;) ::pause();
+  };
+  {
+    const CancelScope scope(cancelled);
+    const Result<std::string> result = runInChild("waiting", kShort, forever);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, ErrorCode::Cancelled);
+    EXPECT_FALSE(runInChild("again", kShort, [] { return Result<std::string>("bytes"); }));
+  }
+  EXPECT_TRUE(runInChild("again", kShort, [] { return Result<std::string>("bytes"); }));
+  other.join();
 }
 
 TEST(Guard, MemoryLimitHolds) {

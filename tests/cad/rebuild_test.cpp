@@ -17,12 +17,14 @@
 #include <gp_Ax2.hxx>
 #include <gp_Circ.hxx>
 #include <gp_Pln.hxx>
+#include <gp_Trsf.hxx>
 
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numbers>
 
-#include "judge/exchange_fault.h"
+#include "judge/read_back.h"
 #include "rebuild/contact_cells.h"
 #include "rebuild/exact_offset.h"
 #include "rebuild/facet_gaps.h"
@@ -291,6 +293,41 @@ TEST(ExchangeFault, OpenSolidsAreFound) {
   EXPECT_NE(exchangeFault(open, usualMeshSize({1, 0.1, true})), "");
 }
 
+// What was checked is what is written, to the last digit, or it is checked again.
+TEST(ReadBack, TheSameShapeHasTheSameFingerprint) {
+  const auto back = [](double height) {
+    const Result<Model> model = readBack({test::solidBody(test::box(1, 2, height))});
+    EXPECT_TRUE(model) << model.error().message;
+    return fingerprintOf(*model);
+  };
+  EXPECT_EQ(back(3), back(3));
+  EXPECT_NE(back(3), back(3 + 1e-12));
+}
+
+TEST(BodyCheck, FilesAndMemoryHaveTheSameVerdict) {
+  const auto block = [](double side, double radius) {  // about the origin
+    gp_Trsf move;
+    move.SetTranslation(gp_Vec(-side / 2, -side / 2, -side / 2));
+    return test::solidBody(test::filletedBox(side, radius).Moved(move));
+  };
+  const Body part = block(10, 2);
+  OffsetOptions options;
+  options.distance = 1;
+  options.tolerance = 0.01;
+  const auto phi = std::make_shared<const TrueDistance>(distanceOf(occtShape(part.shape), 0.002));
+  // Once with the distance that is there, once with its own: what phi measures is another shape.
+  for (const Body& healed : {part, block(1, 0.1)}) {
+    const Result<BodyCheck> check = BodyCheck::make(part, healed, phi, 1, 30);
+    ASSERT_TRUE(check) << check.error().message;
+    const std::vector<Body> wrong = {block(12, 2.5)};
+    EXPECT_FALSE(check->inMemory(wrong, options, 30).pass());
+    EXPECT_FALSE(check->fromFile(wrong, options, 30).check.pass());
+    const std::vector<Body> right = {block(12, 3)};
+    EXPECT_TRUE(check->inMemory(right, options, 30).pass());
+    EXPECT_TRUE(check->fromFile(right, options, 30).check.pass());
+  }
+}
+
 TEST(MakeFront, EndsInTimeAndSaysWhatItLeftOut) {
   const TrueDistance phi = distanceOf(test::box(100, 100, 0.3), 0.1);
   const auto late = makeFront(phi.surface(), -0.1, 1, {1000, 0}, {});
@@ -316,12 +353,15 @@ TEST(FacetBody, PassesOnAFrontAndIsClosedWithoutOne) {
   options.threads = 1;
   const auto front = makeFront(phi.surface(), 1, 1, {100'000, 60}, {});
   ASSERT_TRUE(front) << front.error().message;
-  const FacetAttempt fine = facetBody(body, options, phi, &*front, Deadline(60));
+  const Result<BodyCheck> check = BodyCheck::make(
+      body, body, std::make_shared<const TrueDistance>(distanceOf(shape, 0.002)), 1, 30);
+  ASSERT_TRUE(check) << check.error().message;
+  const FacetAttempt fine = facetBody(body, options, phi, *check, &*front, Deadline(60));
   EXPECT_TRUE(fine.check.pass()) << fine.check.reasons.front();
   EXPECT_EQ(fine.planarFaces, 6);
   EXPECT_GT(fine.facets, 100);
 
-  const FacetAttempt coarse = facetBody(body, options, phi, nullptr, Deadline(60));
+  const FacetAttempt coarse = facetBody(body, options, phi, *check, nullptr, Deadline(60));
   EXPECT_FALSE(coarse.check.pass());
   EXPECT_TRUE(coarse.check.valid);
   EXPECT_TRUE(coarse.check.closed);

@@ -50,8 +50,9 @@ using Clock = std::chrono::steady_clock;
 constexpr std::size_t kStackBytes = std::size_t{256} << 20;
 constexpr std::size_t kGuardBytes = std::size_t{64} << 10;
 constexpr std::size_t kMiB = std::size_t{1} << 20;
-// How often the parent looks whether the child is gone though its pipe is not closed.
-constexpr int kPollMs = 100;
+// How often the parent looks whether the child is gone though its pipe is not closed, or not
+// needed.
+constexpr int kPollMs = 20;
 // CPU seconds beyond the wall-clock limit: only a second net, should the parent not kill.
 constexpr rlim_t kCpuSlack = 5;
 
@@ -202,11 +203,16 @@ void resetSignals() {
 
 // ---- parent ---------------------------------------------------------------------------------
 
+thread_local const std::atomic<bool>* cancelFlag = nullptr;  // of the thread's CancelScope
+
+bool isCancelled() { return cancelFlag != nullptr && cancelFlag->load(std::memory_order_relaxed); }
+
 struct Collected {
   std::string bytes;
   int status = 0;  // of waitpid
   bool haveStatus = false;
   bool timedOut = false;
+  bool cancelled = false;
 };
 
 bool reap(pid_t child, int options, Collected& collected) {
@@ -238,10 +244,9 @@ Collected collect(pid_t child, int fd, double seconds) {
   const auto deadline = Clock::now() + std::chrono::duration<double>(std::clamp(seconds, 0.0, 1e6));
   for (;;) {
     const double left = std::chrono::duration<double>(deadline - Clock::now()).count();
-    if (left <= 0) {
-      collected.timedOut = true;
-      break;
-    }
+    collected.cancelled = isCancelled();
+    collected.timedOut = left <= 0;
+    if (collected.cancelled || collected.timedOut) break;
     pollfd entry{fd, POLLIN, 0};
     ::poll(&entry, 1, std::min(kPollMs, static_cast<int>(std::ceil(left * 1000))));
     if (!drain(fd, collected.bytes)) break;
@@ -250,8 +255,8 @@ Collected collect(pid_t child, int fd, double seconds) {
       return collected;
     }
   }
-  // Either past its time, or its pipe is closed: all is sent, or it is dying.
-  if (collected.timedOut) ::kill(child, SIGKILL);
+  // Past its time, not needed, or its pipe is closed: all is sent, or it is dying.
+  if (collected.timedOut || collected.cancelled) ::kill(child, SIGKILL);
   reap(child, 0, collected);
   return collected;
 }
@@ -271,6 +276,10 @@ std::string signalSentence(int signal) {
     default:
       return fmt::format("signal {}", signal);
   }
+}
+
+Error cancelError(const std::string& what) {
+  return {ErrorCode::Cancelled, what + " was cancelled", {}};
 }
 
 Error timeError(const std::string& what, const GuardLimits& limits) {
@@ -314,6 +323,7 @@ Result<std::string> decode(const std::string& what, const GuardLimits& limits,
       bytes.size() >= sizeof header && header.magic == expected.magic &&
       bytes.size() == sizeof header + header.messageSize + header.whereSize + header.payloadSize;
   if (!complete) {
+    if (collected.cancelled) return tl::unexpected<Error>(cancelError(what));
     if (collected.timedOut) return tl::unexpected<Error>(timeError(what, limits));
     return tl::unexpected<Error>(deathError(what, limits, collected));
   }
@@ -338,6 +348,7 @@ Result<std::string> runInChild(const std::string& what, const GuardLimits& limit
   if (!(limits.seconds > 0) || !(limits.memoryMiB > 0)) {
     return fail(ErrorCode::InvalidArgument, what + ": time and memory limit must be positive");
   }
+  if (isCancelled()) return tl::unexpected<Error>(cancelError(what));
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) {
     return fail(ErrorCode::ResourceLimit, what + ": no free file descriptor for a child process");
@@ -358,6 +369,10 @@ Result<std::string> runInChild(const std::string& what, const GuardLimits& limit
   ::close(ends[0]);
   return decode(what, limits, collected);
 }
+
+CancelScope::CancelScope(const std::atomic<bool>& cancelled) { cancelFlag = &cancelled; }
+
+CancelScope::~CancelScope() { cancelFlag = nullptr; }
 
 Error errorFromCurrentException(const std::string& what) {
   try {

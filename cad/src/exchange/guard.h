@@ -2,6 +2,7 @@
 // Whatever may do that runs in a forked child; only bytes come back.
 #pragma once
 
+#include <atomic>
 #include <functional>
 #include <string>
 
@@ -21,6 +22,16 @@ struct GuardLimits {
 /// If the parent dies, the child dies. Several threads may guard at once.
 [[nodiscard]] Result<std::string> runInChild(const std::string& what, const GuardLimits& limits,
                                              const std::function<Result<std::string>()>& work);
+
+/// While it lives, children that this thread waits for are killed as soon as `cancelled` is set,
+/// and none is started any more: runInChild then fails with Cancelled. Not to be nested.
+class CancelScope {
+ public:
+  explicit CancelScope(const std::atomic<bool>& cancelled);
+  CancelScope(const CancelScope&) = delete;
+  CancelScope& operator=(const CancelScope&) = delete;
+  ~CancelScope();
+};
 
 /// Calls `work` in this process, turning Standard_Failure and std::exception into an Error. For
 /// calls that may throw but are known neither to hang nor to crash.

@@ -19,6 +19,7 @@
 #include <fmt/format.h>
 
 #include "exchange/guard.h"
+#include "judge/check_against.h"
 #include "judge/check_measure.h"
 #include "judge/check_topology.h"
 #include "phront/cad/shape_occt.h"
@@ -276,29 +277,26 @@ CheckResult judge(const Figures& f, double tolerance) {
   return result;
 }
 
-/// Runs in the child.
-Figures measure(const Model& in, const Model& out, MeasureOptions options,
-                const CheckOptions& check) {
-  Figures figures;
-  figures.outEmpty = isEmpty(out);
+TessellateOptions meshFor(double diagonal, bool solid, const CheckOptions& check) {
+  const MeshSize size =
+      meshSize({diagonal, check.distance, solid}, kDeflectionOfDiagonal, kDeflectionOfDistance);
   TessellateOptions mesh;
-  const bool solid = std::any_of(in.bodies.begin(), in.bodies.end(),
-                                 [](const Body& b) { return b.kind == BodyKind::Solid; });
-  const MeshSize size = meshSize({roughDiagonal(in), options.distance, solid},
-                                 kDeflectionOfDiagonal, kDeflectionOfDistance);
   mesh.deflection = size.deflection;
   mesh.angle = size.angle;
-  mesh.distance = std::abs(options.distance);
+  mesh.distance = std::abs(check.distance);
   mesh.timeLimit = kMeshShare * check.timeLimit;
-  const auto inDistance = ModelDistance::build(in.bodies, mesh, "the input");
-  if (!inDistance) {
-    figures.inError = inDistance.error().message;
-    return figures;
-  }
-  figures.solidIn = inDistance->hasSolids();
+  return mesh;
+}
+
+/// Runs in the child, as the next one.
+Figures measureAgainst(const ModelDistance& in, const Model& out, const TessellateOptions& mesh,
+                       MeasureOptions options, const CheckOptions& check) {
+  Figures figures;
+  figures.outEmpty = isEmpty(out);
+  figures.solidIn = in.hasSolids();
   SampleRng coverageRng(kCoverageSeed);
   if (figures.outEmpty) {
-    figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
+    figures.coverage = measureCoverage(in, nullptr, options, coverageRng);
     return figures;
   }
   const TopoDS_Shape shape = compoundOf(out);
@@ -309,22 +307,34 @@ Figures measure(const Model& in, const Model& out, MeasureOptions options,
   if (outDistance) {
     SampleRng accuracyRng(kAccuracySeed);
     figures.untessellated = outDistance->untessellatedFaces();
-    figures.accuracy = measureAccuracy(*inDistance, *outDistance, options, accuracyRng);
-    figures.coverage = measureCoverage(*inDistance, &*outDistance, options, coverageRng);
+    figures.accuracy = measureAccuracy(in, *outDistance, options, accuracyRng);
+    figures.coverage = measureCoverage(in, &*outDistance, options, coverageRng);
   } else {
     figures.outError = outDistance.error().message;
-    figures.coverage = measureCoverage(*inDistance, nullptr, options, coverageRng);
+    figures.coverage = measureCoverage(in, nullptr, options, coverageRng);
   }
   // Meshing again takes time; only a pass can suffer.
   if (check.meshPlainly && judge(figures, tolerance).pass()) {
-    const double diagonal = inDistance->box().diagonal().norm();
+    const double diagonal = in.box().diagonal().norm();
     figures.untessellated =
-        facesWithoutTriangles(shape, usualMeshSize({diagonal, options.distance, solid}));
+        facesWithoutTriangles(shape, usualMeshSize({diagonal, options.distance, figures.solidIn}));
   }
   return figures;
 }
 
-Result<MeasureOptions> resolve(const Model& in, const CheckOptions& options) {
+Figures measure(const Model& in, const Model& out, const MeasureOptions& options,
+                const CheckOptions& check) {
+  const bool solid = std::any_of(in.bodies.begin(), in.bodies.end(),
+                                 [](const Body& b) { return b.kind == BodyKind::Solid; });
+  const TessellateOptions mesh = meshFor(roughDiagonal(in), solid, check);
+  const auto distance = ModelDistance::build(in.bodies, mesh, "the input");
+  if (distance) return measureAgainst(*distance, out, mesh, options, check);
+  Figures figures;
+  figures.inError = distance.error().message;
+  return figures;
+}
+
+Result<MeasureOptions> resolve(const CheckOptions& options) {
   if (!std::isfinite(options.distance) || options.distance == 0) {
     return fail(ErrorCode::InvalidArgument, "the distance of a check must be finite and not zero");
   }
@@ -335,9 +345,6 @@ Result<MeasureOptions> resolve(const Model& in, const CheckOptions& options) {
     return fail(ErrorCode::InvalidArgument,
                 "a check needs at least one sample and a positive time limit");
   }
-  if (isEmpty(in)) {
-    return fail(ErrorCode::InvalidArgument, "the input of a check has no faces");
-  }
   if (!(options.mitreLimit > 1) || !std::isfinite(options.mitreLimit))
     return fail(ErrorCode::InvalidArgument, "the mitre limit must be a number above 1");
   const double tolerance =
@@ -347,21 +354,13 @@ Result<MeasureOptions> resolve(const Model& in, const CheckOptions& options) {
   return measure;
 }
 
-}  // namespace
-
-Result<CheckResult> checkOffset(const Model& in, const Model& out, const CheckOptions& options,
-                                const Progress& progress) {
-  const auto resolved = resolve(in, options);
-  if (!resolved) return tl::unexpected<Error>(resolved.error());
-  if (!progress.report(0)) return fail(ErrorCode::Cancelled, "the check was cancelled");
-
+/// Measures under guard, then decides.
+Result<CheckResult> judgedInChild(const CheckOptions& options, double tolerance,
+                                  const std::function<Figures()>& measured) {
   GuardLimits limits;
   limits.seconds = options.timeLimit;
-  const double tolerance = resolved->tolerance / kCheckStrictness;
-  const auto bytes = runInChild("checking the result", limits, [&]() -> Result<std::string> {
-    return bytesOf(measure(in, out, *resolved, options));
-  });
-  if (!progress.report(1)) return fail(ErrorCode::Cancelled, "the check was cancelled");
+  const auto bytes = runInChild("checking the result", limits,
+                                [&]() -> Result<std::string> { return bytesOf(measured()); });
   if (!bytes) {
     if (bytes.error().code != ErrorCode::Failed) return tl::unexpected<Error>(bytes.error());
     CheckResult unmeasured;
@@ -370,7 +369,30 @@ Result<CheckResult> checkOffset(const Model& in, const Model& out, const CheckOp
   }
   const Figures figures = figuresOf(*bytes);
   if (!figures.inError.empty()) return fail(ErrorCode::Failed, figures.inError);
-  return judge(figures, tolerance);
+  return judge(figures, tolerance / kCheckStrictness);
+}
+
+}  // namespace
+
+Result<CheckResult> checkOffset(const Model& in, const Model& out, const CheckOptions& options,
+                                const Progress& progress) {
+  const auto resolved = resolve(options);
+  if (!resolved) return tl::unexpected<Error>(resolved.error());
+  if (isEmpty(in)) return fail(ErrorCode::InvalidArgument, "the input of a check has no faces");
+  if (!progress.report(0)) return fail(ErrorCode::Cancelled, "the check was cancelled");
+  Result<CheckResult> check = judgedInChild(options, resolved->tolerance,
+                                            [&] { return measure(in, out, *resolved, options); });
+  if (!progress.report(1)) return fail(ErrorCode::Cancelled, "the check was cancelled");
+  return check;
+}
+
+Result<CheckResult> checkAgainst(const ModelDistance& in, const Model& out,
+                                 const CheckOptions& options) {
+  const auto resolved = resolve(options);
+  if (!resolved) return tl::unexpected<Error>(resolved.error());
+  const TessellateOptions mesh = meshFor(in.box().diagonal().norm(), in.hasSolids(), options);
+  return judgedInChild(options, resolved->tolerance,
+                       [&] { return measureAgainst(in, out, mesh, *resolved, options); });
 }
 
 }  // namespace phront::cad

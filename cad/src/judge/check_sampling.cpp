@@ -19,9 +19,8 @@ namespace {
 
 // Chordal errors are measured on samples; the true maximum may be somewhat larger.
 constexpr double kDeflectionSlack = 4;
-// Triangles that deviate less than this share of the deflection asked for are planes: as good as
-// exact.
-constexpr double kPlanarShare = 1e-4;
+// Triangles that deviate less than this share of the diagonal are planes: as good as exact.
+constexpr double kPlanarShare = 2e-8;
 
 // Where the sides of a triangle are looked at, in heights; flatter ones than this have none.
 constexpr double kBesideSurface = 1e-3;
@@ -78,38 +77,53 @@ Result<ModelDistance> ModelDistance::build(const std::vector<Body>& bodies,
                                            const std::string& what) {
   ModelDistance model;
   for (const Body& body : bodies) {
-    const int faces = faceCount(body.shape);
-    if (faces == 0) continue;
+    if (faceCount(body.shape) == 0) continue;
     auto tessellation = tessellate(body, options);
     if (!tessellation) {
       return fail(ErrorCode::Failed,
                   what + " cannot be tessellated: " + tessellation.error().message,
                   tessellation.error().where);
     }
-    const double deflection = tessellation->measuredDeflection;
-    model.faces_ += faces;
-    model.untessellated_ += tessellation->untessellatedFaces;
-    model.deflection_ = std::max(model.deflection_, deflection);
-    model.area_ += phront::area(tessellation->mesh);
-    model.hasSolids_ = model.hasSolids_ || body.kind == BodyKind::Solid;
-    model.box_.extend(phront::boundingBox(tessellation->mesh));
-    const TopoDS_Shape& shape = occtShape(body.shape);
-    auto distance = TrueDistance::build(shape, std::move(*tessellation));
+    auto distance = TrueDistance::build(occtShape(body.shape), std::move(*tessellation));
     if (!distance) return tl::unexpected<Error>(distance.error());
-    model.parts_.push_back(
-        Part{shape, body.kind == BodyKind::Solid, deflection <= kPlanarShare * options.deflection,
-             std::move(*distance), kDeflectionSlack * std::max(deflection, options.deflection)});
+    model.add(body, std::make_shared<const TrueDistance>(std::move(*distance)), options.deflection);
   }
-  if (model.parts_.empty() || !(model.area_ > 0)) {
+  return std::move(model).finished(what);
+}
+
+Result<ModelDistance> ModelDistance::of(const Body& body,
+                                        std::shared_ptr<const TrueDistance> distance) {
+  ModelDistance model;
+  model.add(body, std::move(distance), 0);
+  return std::move(model).finished("the body");
+}
+
+void ModelDistance::add(const Body& body, std::shared_ptr<const TrueDistance> distance,
+                        double deflection) {
+  const Tessellation& tessellation = distance->tessellation();
+  const double measured = tessellation.measuredDeflection;
+  faces_ += faceCount(body.shape);
+  untessellated_ += tessellation.untessellatedFaces;
+  deflection_ = std::max(deflection_, measured);
+  area_ += phront::area(tessellation.mesh);
+  hasSolids_ = hasSolids_ || body.kind == BodyKind::Solid;
+  const Box3 box = phront::boundingBox(tessellation.mesh);
+  box_.extend(box);
+  parts_.push_back(Part{occtShape(body.shape), body.kind == BodyKind::Solid,
+                        measured <= kPlanarShare * box.diagonal().norm(), std::move(distance),
+                        kDeflectionSlack * std::max(measured, deflection)});
+}
+
+Result<ModelDistance> ModelDistance::finished(const std::string& what) && {
+  if (parts_.empty() || !(area_ > 0))
     return fail(ErrorCode::Failed, what + " has no face that can be tessellated");
-  }
-  return model;
+  return std::move(*this);
 }
 
 double ModelDistance::distance(const Vec3& x) const {
   double best = std::numeric_limits<double>::infinity();
   for (const Part& part : parts_) {
-    const SurfaceDistance& surface = part.distance.surface();
+    const SurfaceDistance& surface = part.distance->surface();
     if (part.planar) {
       const FootPoint foot = surface.foot(x, best);
       if (foot.triangle != kNone) best = std::min(best, foot.distance);
@@ -119,7 +133,7 @@ double ModelDistance::distance(const Vec3& x) const {
       if (surface.box().exteriorDistance(x) - part.slack >= best) continue;
       if (surface.foot(x, best + part.slack).triangle == kNone) continue;
     }
-    best = std::min(best, part.distance.foot(x).distance);
+    best = std::min(best, part.distance->foot(x).distance);
   }
   return best;
 }
@@ -127,8 +141,8 @@ double ModelDistance::distance(const Vec3& x) const {
 double ModelDistance::meshDistance(const Vec3& x) const {
   double best = std::numeric_limits<double>::infinity();
   for (const Part& part : parts_) {
-    if (part.distance.surface().box().exteriorDistance(x) >= best) continue;
-    const FootPoint foot = part.distance.surface().foot(x, best);
+    if (part.distance->surface().box().exteriorDistance(x) >= best) continue;
+    const FootPoint foot = part.distance->surface().foot(x, best);
     if (foot.triangle != kNone) best = std::min(best, foot.distance);
   }
   return best;
@@ -142,21 +156,21 @@ bool ModelDistance::inside(const Vec3& x) const {
 
 bool ModelDistance::inside(std::size_t body, const Vec3& x) const {
   const Part& part = parts_[body];
-  return part.solid && part.distance.surface().box().contains(x) &&
-         std::abs(part.distance.surface().windingNumber(x)) > 0.5;
+  return part.solid && part.distance->surface().box().contains(x) &&
+         std::abs(part.distance->surface().windingNumber(x)) > 0.5;
 }
 
 double ModelDistance::winding(const Vec3& x) const {
   double sum = 0;
   for (const Part& part : parts_) {
-    if (part.solid && part.distance.surface().box().contains(x))
-      sum += part.distance.surface().windingNumber(x);
+    if (part.solid && part.distance->surface().box().contains(x))
+      sum += part.distance->surface().windingNumber(x);
   }
   return sum;
 }
 
 bool ModelDistance::buried(std::size_t body, Index triangle) const {
-  const TriMesh& mesh = parts_[body].distance.tessellation().mesh;
+  const TriMesh& mesh = parts_[body].distance->tessellation().mesh;
   const auto& corners = mesh.triangles[static_cast<std::size_t>(triangle)];
   const auto corner = [&](int k) -> const Vec3& {
     return mesh.points[static_cast<std::size_t>(corners[static_cast<std::size_t>(k)])];
@@ -175,7 +189,7 @@ bool ModelDistance::buried(std::size_t body, Index triangle) const {
 }
 
 SurfaceSample ModelDistance::sampleAt(std::size_t body, Index triangle, const Vec3& bary) const {
-  const TrueDistance& distance = parts_[body].distance;
+  const TrueDistance& distance = *parts_[body].distance;
   const TriMesh& mesh = distance.tessellation().mesh;
   const auto& corners = mesh.triangles[static_cast<std::size_t>(triangle)];
   const auto corner = [&](int k) -> const Vec3& {
@@ -206,8 +220,8 @@ std::vector<SurfaceSample> ModelDistance::surfaceSamples(int count, int perFace,
                                                          SampleRng& rng) const {
   std::vector<SurfaceSample> samples;
   for (std::size_t b = 0; b < parts_.size(); ++b) {
-    const TriMesh& mesh = parts_[b].distance.tessellation().mesh;
-    const std::size_t faceLimit = parts_[b].distance.tessellation().features.faces.size();
+    const TriMesh& mesh = parts_[b].distance->tessellation().mesh;
+    const std::size_t faceLimit = parts_[b].distance->tessellation().features.faces.size();
     std::vector<std::vector<Index>> ofFace(std::max<std::size_t>(faceLimit, 1));
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto face = static_cast<std::size_t>(mesh.face(static_cast<Index>(t)));

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <random>
 #include <string>
 #include <vector>
@@ -59,6 +60,10 @@ class ModelDistance {
                                                    const TessellateOptions& options,
                                                    const std::string& what);
 
+  /// Of one body whose distance is known already.
+  [[nodiscard]] static Result<ModelDistance> of(const Body& body,
+                                                std::shared_ptr<const TrueDistance> distance);
+
   [[nodiscard]] double distance(const Vec3& x) const;      ///< to the exact shape, >= 0
   [[nodiscard]] double meshDistance(const Vec3& x) const;  ///< to the triangles, >= 0
   [[nodiscard]] bool inside(const Vec3& x) const;          ///< inside any solid, by winding number
@@ -69,7 +74,7 @@ class ModelDistance {
 
   [[nodiscard]] std::size_t bodyCount() const { return parts_.size(); }
   [[nodiscard]] bool isSolid(std::size_t i) const { return parts_[i].solid; }
-  [[nodiscard]] const TrueDistance& body(std::size_t i) const { return parts_[i].distance; }
+  [[nodiscard]] const TrueDistance& body(std::size_t i) const { return *parts_[i].distance; }
   [[nodiscard]] const TopoDS_Shape& shape(std::size_t i) const { return parts_[i].shape; }
   [[nodiscard]] bool hasSolids() const { return hasSolids_; }
   [[nodiscard]] double area() const { return area_; }              ///< of the triangles, mm^2
@@ -86,13 +91,16 @@ class ModelDistance {
                                                           SampleRng& rng) const;
 
  private:
+  /// `deflection`: mm, that was asked for, if known: the measured one is from samples.
+  void add(const Body& body, std::shared_ptr<const TrueDistance> distance, double deflection);
+  [[nodiscard]] Result<ModelDistance> finished(const std::string& what) &&;
   [[nodiscard]] double winding(const Vec3& x) const;  // of all solids together
 
   struct Part {
     TopoDS_Shape shape;
     bool solid = false;
     bool planar = false;  ///< the triangles are the exact shape
-    TrueDistance distance;
+    std::shared_ptr<const TrueDistance> distance;
     double slack = 0;  ///< how far the exact shape may lie outside the box of its triangles, mm
   };
   std::vector<Part> parts_;

@@ -11,6 +11,7 @@
 #include <TopExp_Explorer.hxx>
 #include <TopoDS_Compound.hxx>
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
@@ -18,8 +19,6 @@
 
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
-#include "judge/check_body.h"
-#include "judge/exchange_fault.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/reunite.h"
 
@@ -46,6 +45,9 @@ struct Trial {
   std::optional<JudgedAttempt> judged;
   bool accepted = false;
   bool timedOut = false;
+
+  /// Nothing that comes later could be better.
+  [[nodiscard]] bool settles() const { return accepted && judged->facetedFaces == 0; }
 };
 
 // Bytes across the process border: 8 bytes of header length, JSON header, shape.
@@ -80,14 +82,14 @@ Result<AttemptResult> unpackAttempt(const std::string& bytes) {
   return attempt;
 }
 
-Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& options,
-               const TrueDistance& phi, const AttemptSetting& setting, const Deadline& deadline) {
+Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDistance& phi,
+               const BodyCheck& check, const AttemptSetting& setting, const Deadline& deadline) {
   const Clock::time_point start = Clock::now();
   Trial trial;
   const auto say = [&](const std::string& outcome) {
     trial.line = fmt::format("{}: {} ({:.1f} s)", setting.name, outcome, secondsSince(start));
   };
-  const bool solid = body.kind == BodyKind::Solid;
+  const bool solid = healed.kind == BodyKind::Solid;
   const Result<std::string> bytes = runInChild(
       "offset by exact patches", {setting.timeLimit, kAttemptMemoryMiB},
       [&]() -> Result<std::string> {
@@ -120,21 +122,18 @@ Trial runTrial(const Body& body, const Body& healed, const OffsetOptions& option
   judged.facetedFaces = attempt->facetedFaces;
   // False where the shape itself is at fault, not where it lies.
   const auto judge = [&](const TopoDS_Shape& shape) {
-    judged.bodies = bodiesOf(shape, body.kind, body.name);
-    judged.check = checkBody(body, judged.bodies, options,
-                             deadline.forStep(1, kLeastCheckSeconds, kCheckSeconds));
-    if (!judged.check.pass()) return judged.check.sound();
-    checkExchange(judged.bodies, {phi.surface().box().diagonal().norm(), options.distance, solid},
-                  judged.check);
-    return judged.check.pass();
+    judged.bodies = bodiesOf(shape, healed.kind, healed.name);
+    judged.file = check.fromFile(judged.bodies, options,
+                                 deadline.forStep(1, kLeastCheckSeconds, kCheckSeconds));
+    return judged.file.check.pass() || judged.file.check.sound();
   };
   TopoDS_Shape whole;
   if (solid && attempt->fittedFaces + attempt->facetedFaces == 0)
     whole = reuniteFaces(attempt->shape, phi, std::clamp(deadline.left(), 1.0, kReuniteSeconds));
   if (whole.IsNull() || !judge(whole)) judge(attempt->shape);
-  const CheckResult& check = judged.check;
-  trial.accepted = check.pass();
-  say((trial.accepted ? "accepted; " : "rejected: " + check.reasons.front() + "; ") + counts);
+  const CheckResult& verdict = judged.file.check;
+  trial.accepted = verdict.pass();
+  say((trial.accepted ? "accepted; " : "rejected: " + verdict.reasons.front() + "; ") + counts);
   trial.judged = std::move(judged);
   return trial;
 }
@@ -159,14 +158,14 @@ std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::
   return bodies;
 }
 
-AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions& options,
-                       const TrueDistance& phi, bool mayTouch, const Deadline& deadline,
+AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const TrueDistance& phi,
+                       const BodyCheck& check, bool mayTouch, const Deadline& deadline,
                        const Progress& progress) {
   const std::vector<AttemptSetting> settings = attemptSettings();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
   const std::size_t wave = threads >= 2 ? 2 : 1;
-  const bool sheet = body.kind == BodyKind::Sheet;
+  const bool sheet = healed.kind == BodyKind::Sheet;
   AttemptLog log;
   double leastWorth = kLeastAttempt;
   bool incomplete = false;  // a result lacks parts, but is right otherwise
@@ -185,25 +184,31 @@ AttemptLog runAttempts(const Body& body, const Body& healed, const OffsetOptions
       chosen.back().timeLimit = std::min(chosen.back().timeLimit, left);
     }
     std::vector<Trial> trials(chosen.size());
+    std::vector<std::atomic<bool>> notNeeded(chosen.size());
     std::vector<std::thread> runners;  // they only wait for their child process
     for (std::size_t i = 0; i < chosen.size(); ++i) {
-      runners.emplace_back(
-          [&, i] { trials[i] = runTrial(body, healed, options, phi, chosen[i], deadline); });
+      runners.emplace_back([&, i] {
+        const CancelScope scope(notNeeded[i]);
+        trials[i] = runTrial(healed, options, phi, check, chosen[i], deadline);
+        if (!trials[i].settles()) return;
+        for (std::size_t later = i + 1; later < chosen.size(); ++later) notNeeded[later] = true;
+      });
     }
     for (std::thread& runner : runners) runner.join();
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       Trial& trial = trials[i];
+      if (log.accepted && log.accepted->facetedFaces == 0) break;  // done, or stopped on the way
       if (trial.timedOut) leastWorth = std::max(leastWorth, kShareOfTimeout * chosen[i].timeLimit);
       log.lines.push_back(trial.line);
       if (!trial.judged) continue;
-      const CheckResult& check = trial.judged->check;
-      incomplete = incomplete || (check.incomplete && check.reasons.size() == 1);
+      const CheckResult& verdict = trial.judged->file.check;
+      incomplete = incomplete || (verdict.incomplete && verdict.reasons.size() == 1);
       const bool better = !log.accepted || trial.judged->facetedFaces < log.accepted->facetedFaces;
       if (trial.accepted) {
         // A result with facets is kept while the next setting may do without.
         most = std::min(most, trial.judged->facetedFaces == 0 ? next : next + 1);
         if (better) log.accepted = std::move(trial.judged);
-      } else if (!log.rejected && check.valid && (check.closed || sheet)) {
+      } else if (!log.rejected && verdict.valid && (verdict.closed || sheet)) {
         log.rejected = std::move(trial.judged);
       }
     }

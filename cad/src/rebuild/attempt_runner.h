@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "deadline.h"
+#include "judge/check_body.h"
 #include "phront/cad/offset_shape.h"
 #include "rebuild/exact_offset.h"
 #include "tessellate/true_distance.h"
@@ -19,7 +20,7 @@ struct JudgedAttempt {
   double reach = 1;
   int fittedFaces = 0;
   int facetedFaces = 0;
-  CheckResult check;
+  FileCheck file;  ///< of its file, or of itself where there is none
 };
 
 struct AttemptLog {
@@ -32,11 +33,10 @@ struct AttemptLog {
 /// without a facet, or the `deadline` is reached; fewer facets win. With two at a time the earlier
 /// setting wins, so the choice does not depend on who finishes first. `healed` is
 /// offset and `phi` is its distance; `mayTouch`: it is known that parts of the offset may be of no
-/// width; results are checked against `body`, as read.
-[[nodiscard]] AttemptLog runAttempts(const Body& body, const Body& healed,
-                                     const OffsetOptions& options, const TrueDistance& phi,
-                                     bool mayTouch, const Deadline& deadline,
-                                     const Progress& progress);
+/// width; `check` decides.
+[[nodiscard]] AttemptLog runAttempts(const Body& healed, const OffsetOptions& options,
+                                     const TrueDistance& phi, const BodyCheck& check, bool mayTouch,
+                                     const Deadline& deadline, const Progress& progress);
 
 /// Splits a shape into bodies: one per solid, one per connected sheet.
 [[nodiscard]] std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind,

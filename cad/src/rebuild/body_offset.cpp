@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <memory>
 
 #include "deadline.h"
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
 #include "heal/heal.h"
 #include "judge/check_body.h"
-#include "judge/exchange_fault.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 #include "phront/cad/tessellate.h"
@@ -126,16 +126,23 @@ class BodyOffsetter {
     if (!progress_.part(0, 0.1, "tessellate").report(0)) return cancelled();
     const Body healed = withElementarySurfaces(body_, options_.distance, report().attempts);
     clock_.lap("heal");
-    const Result<TrueDistance> phi =
-        distanceOf(healed, options_.distance,
-                   deadline_.forStep(kTessellateShare, kLeastSeconds, kMostTessellateSeconds));
-    if (!phi) return tl::unexpected(phi.error());
+    const auto tessellating = [&] {
+      return deadline_.forStep(kTessellateShare, kLeastSeconds, kMostTessellateSeconds);
+    };
+    Result<TrueDistance> made = distanceOf(healed, options_.distance, tessellating());
+    if (!made) return tl::unexpected(made.error());
+    const auto phi = std::make_shared<const TrueDistance>(std::move(*made));
+    Result<BodyCheck> check =
+        BodyCheck::make(body_, healed, phi, options_.distance, tessellating());
+    if (!check) return tl::unexpected(check.error());
+    check_ = std::move(*check);
     clock_.lap("tessellate");
 
     bool facetsMayFollow = body_.kind == BodyKind::Solid && phi->surface().closed();
     // Inwards nothing may be left, which the front knows soonest.
     if (facetsMayFollow && options_.distance < 0) {
-      if (Result<void> made = findFront(*phi, 0.1, 0.3); !made) return tl::unexpected(made.error());
+      if (Result<void> found = findFront(*phi, 0.1, 0.3); !found)
+        return tl::unexpected(found.error());
       if (front_ && front_->mesh.triangles.empty()) {
         if (provenEmpty()) return std::move(result_);
         frontIsEmpty_ = true;
@@ -152,14 +159,14 @@ class BodyOffsetter {
     }
     if (facetsMayFollow) {
       if (options_.distance > 0) {
-        if (Result<void> made = findFront(*phi, 0.8, 0.9); !made)
-          return tl::unexpected(made.error());
+        if (Result<void> found = findFront(*phi, 0.8, 0.9); !found)
+          return tl::unexpected(found.error());
       }
       if (!progress_.part(0.9, 1, "facets").report(0)) return cancelled();
       useFacets(*phi);
     } else if (body_.kind == BodyKind::Sheet) {
-      if (Result<void> made = useTrimmedFaces(healed, *phi); !made)
-        return tl::unexpected(made.error());
+      if (Result<void> found = useTrimmedFaces(healed, *phi); !found)
+        return tl::unexpected(found.error());
     } else {
       report().check =
           failedCheck(report().attempts.empty()
@@ -199,7 +206,7 @@ class BodyOffsetter {
 
   bool provenEmpty() {
     const CheckResult check =
-        checkBody(body_, {}, options_, deadline_.forStep(1, kLeastSeconds, kCheckSeconds));
+        check_->inMemory({}, options_, deadline_.forStep(1, kLeastSeconds, kCheckSeconds));
     clock_.lap("check");
     if (!check.pass()) return false;
     report().kind = OffsetKind::Empty;
@@ -215,8 +222,8 @@ class BodyOffsetter {
                          : facetsMayFollow ? kAttemptShare
                                            : kOnlyAttemptsShare;
     AttemptLog log =
-        runAttempts(body_, healed, options_, phi, frontIsEmpty_, Deadline(share * deadline_.left()),
-                    progress_.part(0.3, 0.8, "exact patches"));
+        runAttempts(healed, options_, phi, *check_, frontIsEmpty_,
+                    Deadline(share * deadline_.left()), progress_.part(0.3, 0.8, "exact patches"));
     clock_.lap("exact patches");
     report().attempts.insert(report().attempts.end(), log.lines.begin(), log.lines.end());
     if (log.accepted) useAttempt(std::move(*log.accepted), OffsetKind::Exact);
@@ -229,7 +236,8 @@ class BodyOffsetter {
     report().kind = kind;
     report().setting = attempt.setting;
     report().reach = attempt.reach;
-    report().check = std::move(attempt.check);
+    report().check = std::move(attempt.file.check);
+    report().checkedFile = attempt.file.fingerprint;
     report().fittedFaces = attempt.fittedFaces;
     report().facetedFaces = attempt.facetedFaces;
     report().exactFaces = report().check.faces - report().fittedFaces - report().facetedFaces;
@@ -253,23 +261,24 @@ class BodyOffsetter {
     clock_.lap("mitre");
     report().roundedFaces = sharpened + rounded;
     if (sharpened == 0) return;
-    CheckResult check = checkBody(body_, sharp, wanted_, kCheckSeconds);
-    checkExchange(sharp, {phi.surface().box().diagonal().norm(), options_.distance, true}, check);
+    FileCheck file = check_->fromFile(sharp, wanted_, kCheckSeconds);
     clock_.lap("check");
-    if (!check.pass()) {
-      report().attempts.push_back("mitre: rejected: " + check.reasons.front());
+    if (!file.check.pass()) {
+      report().attempts.push_back("mitre: rejected: " + file.check.reasons.front());
       return;
     }
     report().attempts.push_back(fmt::format(
         "mitre: accepted; {} faces round edges and corners removed, {} stay", sharpened, rounded));
     result_.bodies = std::move(sharp);
     report().roundedFaces = rounded;
-    report().check = std::move(check);
+    report().check = std::move(file.check);
+    report().checkedFile = file.fingerprint;
     report().exactFaces = report().check.faces - report().fittedFaces - report().facetedFaces;
   }
 
   void useFacets(const TrueDistance& phi) {
-    FacetAttempt facets = facetBody(body_, options_, phi, front_ ? &*front_ : nullptr, deadline_);
+    FacetAttempt facets =
+        facetBody(body_, options_, phi, *check_, front_ ? &*front_ : nullptr, deadline_);
     report().setting = "facets of the iso-surface";
     report().check = std::move(facets.check);
     report().facetedFaces = facets.facets;
@@ -280,7 +289,7 @@ class BodyOffsetter {
   }
 
   Result<void> useTrimmedFaces(const Body& healed, const TrueDistance& phi) {
-    Result<SheetAttempt> sheet = sheetOfFaces(body_, healed, options_, phi, deadline_,
+    Result<SheetAttempt> sheet = sheetOfFaces(healed, options_, phi, *check_, deadline_,
                                               progress_.part(0.8, 1, "trimmed faces"));
     clock_.lap("trimmed faces");
     if (!sheet) return tl::unexpected(sheet.error());
@@ -306,6 +315,7 @@ class BodyOffsetter {
   const Deadline deadline_;
   BodyOffset result_;
   StageClock clock_;
+  std::optional<BodyCheck> check_;
   std::optional<IsoSurface> front_;
   bool frontIsEmpty_ = false;  ///< though something is left
   bool mitreTried_ = false;

@@ -9,7 +9,6 @@
 
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
-#include "judge/check_body.h"
 #include "phront/facet.h"
 #include "rebuild/attempt_runner.h"
 #include "rebuild/facet_bias.h"
@@ -70,8 +69,8 @@ Result<std::string> makeFacetSolid(double distance, const FacetOptions& options,
 class FacetStage {
  public:
   FacetStage(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-             const Deadline& deadline)
-      : body_(body), options_(options), phi_(phi), deadline_(deadline) {
+             const BodyCheck& check, const Deadline& deadline)
+      : body_(body), options_(options), phi_(phi), check_(check), deadline_(deadline) {
     facetOptions_.tolerance = kShareOfTolerance * *options.tolerance;
     facetOptions_.planeOfFace = planesOf(phi.tessellation().features);
     facetOptions_.threads = 1;  // a guarded child starts no thread
@@ -124,7 +123,7 @@ class FacetStage {
     if (!solid) return nothing(solid.error().message);
     made.bodies = bodiesOf(*solid, BodyKind::Solid, body_.name);
     made.check =
-        checkBody(body_, made.bodies, options_, deadline_.forStep(1, kLeastSeconds, kMostSeconds));
+        check_.inMemory(made.bodies, options_, deadline_.forStep(1, kLeastSeconds, kMostSeconds));
     return made;
   }
 
@@ -147,6 +146,7 @@ class FacetStage {
   const Body& body_;
   const OffsetOptions& options_;
   const TrueDistance& phi_;
+  const BodyCheck& check_;
   const Deadline& deadline_;
   FacetOptions facetOptions_;
 };
@@ -154,8 +154,8 @@ class FacetStage {
 }  // namespace
 
 FacetAttempt facetBody(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-                       const IsoSurface* front, const Deadline& deadline) {
-  return FacetStage(body, options, phi, deadline).run(front);
+                       const BodyCheck& check, const IsoSurface* front, const Deadline& deadline) {
+  return FacetStage(body, options, phi, check, deadline).run(front);
 }
 
 }  // namespace phront::cad

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "deadline.h"
+#include "judge/check_body.h"
 #include "phront/cad/offset_shape.h"
 #include "phront/iso_surface.h"
 #include "tessellate/true_distance.h"
@@ -24,7 +25,7 @@ struct FacetAttempt {
 /// their check but are valid and closed. The best of them comes back. Without a front (null) only
 /// the coarse ones are made. Guarded; bounded by the deadline.
 [[nodiscard]] FacetAttempt facetBody(const Body& body, const OffsetOptions& options,
-                                     const TrueDistance& phi, const IsoSurface* front,
-                                     const Deadline& deadline);
+                                     const TrueDistance& phi, const BodyCheck& check,
+                                     const IsoSurface* front, const Deadline& deadline);
 
 }  // namespace phront::cad

@@ -13,8 +13,7 @@
 
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
-#include "judge/check_body.h"
-#include "judge/exchange_fault.h"
+#include "judge/read_back.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/attempt_runner.h"
 #include "surfaces/face_offsets.h"
@@ -50,8 +49,8 @@ TopoDS_Shape sewn(const std::vector<TopoDS_Face>& faces, double tolerance) {
 
 }  // namespace
 
-Result<SheetAttempt> sheetOfFaces(const Body& body, const Body& healed,
-                                  const OffsetOptions& options, const TrueDistance& phi,
+Result<SheetAttempt> sheetOfFaces(const Body& healed, const OffsetOptions& options,
+                                  const TrueDistance& phi, const BodyCheck& check,
                                   const Deadline& deadline, const Progress& progress) {
   TopTools_IndexedMapOfShape map;
   TopExp::MapShapes(occtShape(healed.shape), TopAbs_FACE, map);
@@ -76,16 +75,16 @@ Result<SheetAttempt> sheetOfFaces(const Body& body, const Body& healed,
   }
   if (!all.empty()) {
     const double tolerance = kSewingShare * *options.tolerance;
-    made.bodies = bodiesOf(sewn(all, tolerance), BodyKind::Sheet, body.name);
+    made.bodies = bodiesOf(sewn(all, tolerance), BodyKind::Sheet, healed.name);
     Model out;
     out.bodies = made.bodies;
     const double diagonal = phi.surface().box().diagonal().norm();
     // Sewing moves edges; what does not survive a file is better left apart.
     if (!exchangeFault(out, usualMeshSize({diagonal, options.distance, false})).empty())
-      made.bodies = bodiesOf(compoundOf(all), BodyKind::Sheet, body.name);
+      made.bodies = bodiesOf(compoundOf(all), BodyKind::Sheet, healed.name);
   }
-  made.check = checkBody(body, made.bodies, options,
-                         deadline.forStep(1, kLeastCheckSeconds, kMostCheckSeconds));
+  made.check = check.inMemory(made.bodies, options,
+                              deadline.forStep(1, kLeastCheckSeconds, kMostCheckSeconds));
   return made;
 }
 

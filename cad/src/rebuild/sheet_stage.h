@@ -2,6 +2,7 @@
 #pragma once
 
 #include "deadline.h"
+#include "judge/check_body.h"
 #include "phront/cad/offset_shape.h"
 #include "tessellate/true_distance.h"
 
@@ -15,10 +16,9 @@ struct SheetAttempt {
 };
 
 /// Offsets each face of `healed`, which `phi` measures, cuts it back to the front, and sews what
-/// then meets. Convex edges get no rounds. Judged against `body`, as read. Fails with Cancelled.
-[[nodiscard]] Result<SheetAttempt> sheetOfFaces(const Body& body, const Body& healed,
-                                                const OffsetOptions& options,
-                                                const TrueDistance& phi, const Deadline& deadline,
-                                                const Progress& progress);
+/// then meets. Convex edges get no rounds. Fails with Cancelled.
+[[nodiscard]] Result<SheetAttempt> sheetOfFaces(const Body& healed, const OffsetOptions& options,
+                                                const TrueDistance& phi, const BodyCheck& check,
+                                                const Deadline& deadline, const Progress& progress);
 
 }  // namespace phront::cad

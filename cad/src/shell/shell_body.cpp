@@ -16,7 +16,7 @@
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
 #include "judge/check_body.h"
-#include "judge/exchange_fault.h"
+#include "judge/read_back.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/attempt_runner.h"

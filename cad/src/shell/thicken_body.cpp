@@ -13,7 +13,7 @@
 #include "heal/heal.h"
 #include "judge/check_body.h"
 #include "judge/check_thick.h"
-#include "judge/exchange_fault.h"
+#include "judge/read_back.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
 #include "rebuild/attempt_runner.h"

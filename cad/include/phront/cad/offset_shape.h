@@ -1,6 +1,7 @@
 // The main job: a model in, its offset out, judged.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -42,6 +43,7 @@ struct BodyReport {
   double reach = 1;      ///< share of the distance it was made at: less where parts just touch
   std::vector<std::string> attempts;  ///< one line each: setting, outcome, seconds
   CheckResult check;
+  std::size_t checkedFile = 0;  ///< fingerprint of the file's shape that `check` is of; 0: of none
 };
 
 struct StageTime {

@@ -1,4 +1,4 @@
-#include "judge/exchange_fault.h"
+#include "judge/read_back.h"
 
 #include <fmt/format.h>
 #include <stdlib.h>
@@ -9,10 +9,12 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <utility>
 #include <vector>
 
 #include "exchange/guard.h"
+#include "exchange/shape_bytes.h"
 #include "judge/check_topology.h"
 #include "phront/cad/exchange.h"
 #include "phront/cad/shape_occt.h"
@@ -58,16 +60,27 @@ std::string faultOf(const TopoDS_Shape& shape, bool solid, const MeshSize& size)
 
 }  // namespace
 
-std::string exchangeFault(const Model& out, const MeshSize& size) {
+Result<Model> readBack(const std::vector<Body>& bodies) {
   const TemporaryFolder folder;
-  if (folder.path().empty()) return {};  // no place to try it: the written result is checked anyway
+  if (folder.path().empty()) return fail(ErrorCode::CannotWrite, "no folder for temporary files");
   const fs::path file = folder.path() / "result.step";
-  if (const Result<void> written = writeModel(out, file); !written) {
-    return written.error().message;
-  }
+  Model out;
+  out.bodies = bodies;
+  if (const Result<void> written = writeModel(out, file); !written)
+    return tl::unexpected(written.error());
   ReadOptions asWritten;
   asWritten.repair = false;
-  const Result<Model> back = readModel(file, asWritten);
+  return readModel(file, asWritten);
+}
+
+std::size_t fingerprintOf(const Model& model) {
+  std::string bytes;
+  for (const Body& body : model.bodies) bytes += bytesOfShape(occtShape(body.shape));
+  return std::max<std::size_t>(1, std::hash<std::string>{}(bytes));
+}
+
+std::string exchangeFault(const Model& out, const MeshSize& size) {
+  const Result<Model> back = readBack(out.bodies);
   if (!back) return back.error().message;
   const bool solid = std::any_of(out.bodies.begin(), out.bodies.end(),
                                  [](const Body& b) { return b.kind == BodyKind::Solid; });
