@@ -207,8 +207,8 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
     carryMarks(bodies[b], options.distance, offset.bodies);
     if (offset.report.reach < 1)
       report.warnings.push_back(
-          fmt::format("parts of the offset just touch or lose their width at this distance: it is "
-                      "made at {:g} of it",
+          fmt::format("parts of the offset just touch, lose their width or do not cut one another "
+                      "cleanly at this distance: it is made at {:g} of it",
                       offset.report.reach));
     tellRounded(offset.report, options, report.warnings);
     for (Body& body : offset.bodies) result.model.bodies.push_back(std::move(body));

@@ -268,9 +268,7 @@ CheckResult judge(const Figures& f, double tolerance) {
     if (f.outError.empty()) judgeAccuracy(f, tolerance, result.reasons);
   }
   if (f.outError.empty()) {
-    const std::size_t before = result.reasons.size();
     judgeCoverage(f, tolerance, result.reasons);
-    result.incomplete = result.reasons.size() > before && f.coverage.firm > 0;
   } else {
     result.reasons.push_back("The result cannot be measured: " + f.outError + ".");
   }

@@ -159,8 +159,7 @@ std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::
 }
 
 AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const TrueDistance& phi,
-                       const BodyCheck& check, bool mayTouch, const Deadline& deadline,
-                       const Progress& progress) {
+                       const BodyCheck& check, const Deadline& deadline, const Progress& progress) {
   const std::vector<AttemptSetting> settings = attemptSettings();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
@@ -168,10 +167,8 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
   const bool sheet = healed.kind == BodyKind::Sheet;
   AttemptLog log;
   double leastWorth = kLeastAttempt;
-  bool incomplete = false;  // a result lacks parts, but is right otherwise
-  const auto worthTrying = [&](const AttemptSetting& setting) {
-    if (setting.reach < 1) return !sheet && (mayTouch || incomplete);
-    return !setting.alwaysRepair || log.rejected;
+  const auto serves = [&](const AttemptSetting& setting) {
+    return !sheet || (setting.reach == 1 && setting.repairSeconds == 0);
   };
   std::size_t most = settings.size();
   for (std::size_t next = 0; next < most;) {
@@ -179,7 +176,7 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
     if (left < leastWorth || !progress.report(static_cast<double>(next) / settings.size())) break;
     std::vector<AttemptSetting> chosen;
     for (; next < most && chosen.size() < wave; ++next) {
-      if (!worthTrying(settings[next])) continue;
+      if (!serves(settings[next])) continue;
       chosen.push_back(settings[next]);
       chosen.back().timeLimit = std::min(chosen.back().timeLimit, left);
     }
@@ -202,7 +199,6 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
       log.lines.push_back(trial.line);
       if (!trial.judged) continue;
       const CheckResult& verdict = trial.judged->file.check;
-      incomplete = incomplete || (verdict.incomplete && verdict.reasons.size() == 1);
       const bool better = !log.accepted || trial.judged->facetedFaces < log.accepted->facetedFaces;
       if (trial.accepted) {
         // A result with facets is kept while the next setting may do without.

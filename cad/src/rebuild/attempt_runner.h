@@ -31,11 +31,10 @@ struct AttemptLog {
 
 /// Tries the settings in order (two at a time when threads allow) until one result passes the check
 /// without a facet, or the `deadline` is reached; fewer facets win. With two at a time the earlier
-/// setting wins, so the choice does not depend on who finishes first. `healed` is
-/// offset and `phi` is its distance; `mayTouch`: it is known that parts of the offset may be of no
-/// width; `check` decides.
+/// setting wins, so the choice does not depend on who finishes first. `healed` is offset and `phi`
+/// is its distance; `check` decides.
 [[nodiscard]] AttemptLog runAttempts(const Body& healed, const OffsetOptions& options,
-                                     const TrueDistance& phi, const BodyCheck& check, bool mayTouch,
+                                     const TrueDistance& phi, const BodyCheck& check,
                                      const Deadline& deadline, const Progress& progress);
 
 /// Splits a shape into bodies: one per solid, one per connected sheet.

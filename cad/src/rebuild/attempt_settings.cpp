@@ -8,45 +8,38 @@
 namespace phront::cad {
 
 std::vector<AttemptSetting> attemptSettings() {
-  std::vector<AttemptSetting> settings;
-  settings.push_back({.name = "plain",
-                      .smoothTolerance = 0.01,
-                      .dropDeadPatches = true,
-                      .thinPairs = true,
-                      .repairSeconds = 20,
-                      .timeLimit = 35});
-  settings.push_back({.name = "fine",
-                      .fuzzy = 1e-5,
-                      .smoothTolerance = 1e-3,
-                      .sewTolerance = 1e-5,
-                      .dropDeadPatches = true,
-                      .thinPairs = true,
-                      .repairSeconds = 12,
-                      .timeLimit = 25});
-  for (const double reach : {0.9995, 0.9989}) {
-    AttemptSetting touching = settings.front();
-    touching.name = fmt::format("at {:g} d, where parts touch", reach);
-    touching.reach = reach;
-    settings.push_back(touching);
-  }
-  settings.push_back({.name = "cut by phi",
-                      .smoothTolerance = 0.01,
-                      .dropDeadPatches = true,
-                      .thinPairs = true,
-                      .repairSeconds = 20,
-                      .alwaysRepair = true,
-                      .timeLimit = 30});
-  settings.push_back({.name = "unified",
-                      .fuzzy = 1e-6,
-                      .smoothTolerance = 1e-3,
-                      .sewTolerance = 1e-5,
-                      .unifyInput = true,
-                      .dropDeadPatches = true,
-                      .thinPairs = true,
-                      .timeLimit = 25});
-  settings.push_back(
-      {.name = "all pairs", .smoothTolerance = 0.01, .dropDeadPatches = true, .timeLimit = 25});
-  return settings;
+  const AttemptSetting plain{.name = "plain",
+                             .smoothTolerance = 0.01,
+                             .dropDeadPatches = true,
+                             .thinPairs = true,
+                             .timeLimit = 35};
+  const auto at = [&](double reach) {
+    AttemptSetting setting = plain;
+    setting.name = fmt::format("at {:g} d", reach);
+    setting.reach = reach;
+    return setting;
+  };
+  const AttemptSetting fine{.name = "fine",
+                            .fuzzy = 1e-5,
+                            .smoothTolerance = 1e-3,
+                            .sewTolerance = 1e-5,
+                            .dropDeadPatches = true,
+                            .thinPairs = true,
+                            .timeLimit = 35};
+  AttemptSetting cutByPhi = plain;
+  cutByPhi.name = "cut by phi";
+  cutByPhi.repairSeconds = 20;
+  cutByPhi.timeLimit = 30;
+  AttemptSetting unified = fine;
+  unified.name = "unified";
+  unified.fuzzy = 1e-6;
+  unified.unifyInput = true;
+  unified.timeLimit = 25;
+  AttemptSetting allPairs = plain;
+  allPairs.name = "all pairs";
+  allPairs.thinPairs = false;
+  allPairs.timeLimit = 25;
+  return {plain, at(0.9992), fine, cutByPhi, at(0.9989), unified, allPairs};
 }
 
 }  // namespace phront::cad

@@ -145,7 +145,6 @@ class BodyOffsetter {
         return tl::unexpected(found.error());
       if (front_ && front_->mesh.triangles.empty()) {
         if (provenEmpty()) return std::move(result_);
-        frontIsEmpty_ = true;
         facetsMayFollow = false;  // a rest thinner than the grid: exact patches may still find it
       }
     }
@@ -221,9 +220,8 @@ class BodyOffsetter {
     const double share = sheet             ? kSheetAttemptShare
                          : facetsMayFollow ? kAttemptShare
                                            : kOnlyAttemptsShare;
-    AttemptLog log =
-        runAttempts(healed, options_, phi, *check_, frontIsEmpty_,
-                    Deadline(share * deadline_.left()), progress_.part(0.3, 0.8, "exact patches"));
+    AttemptLog log = runAttempts(healed, options_, phi, *check_, Deadline(share * deadline_.left()),
+                                 progress_.part(0.3, 0.8, "exact patches"));
     clock_.lap("exact patches");
     report().attempts.insert(report().attempts.end(), log.lines.begin(), log.lines.end());
     if (log.accepted) useAttempt(std::move(*log.accepted), OffsetKind::Exact);
@@ -317,7 +315,6 @@ class BodyOffsetter {
   StageClock clock_;
   std::optional<BodyCheck> check_;
   std::optional<IsoSurface> front_;
-  bool frontIsEmpty_ = false;  ///< though something is left
   bool mitreTried_ = false;
 };
 

@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -31,9 +30,6 @@ constexpr double kApproximation = 1e-6;
 constexpr double kRepairMemoryMiB = 2000;
 /// Of a sheet's area: with more of it folded the check, which is dear on such faces, cannot pass.
 constexpr double kMostOffFront = 0.02;
-constexpr double kRepairShare = 0.3;  // of the time limit: when no more is spent there is a repair
-
-using Clock = std::chrono::steady_clock;
 
 }  // namespace
 
@@ -42,7 +38,6 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   if (!std::isfinite(distance) || distance == 0) {
     return fail(ErrorCode::InvalidArgument, "the distance must be a number other than 0");
   }
-  const Clock::time_point start = Clock::now();
   AttemptResult result;
   const double diagonal = diagonalOf(body);
   HealedShape healed = heal(body, {.tolerance = 1e-5 * diagonal, .unify = setting.unifyInput});
@@ -102,13 +97,9 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   Assembly assembly;
   if (!solid)
     assembly = assembleSheet(judged, options, phi);
-  else if (!setting.alwaysRepair)
+  else if (setting.repairSeconds == 0)
     assembly = assembleSolids(judged, options, phi);
-  // What took long would do so again: the time is better spent on the next setting, unless repair
-  // is all that this one is for.
-  const double spent = std::chrono::duration<double>(Clock::now() - start).count();
-  const bool inTime = setting.alwaysRepair || spent < kRepairShare * setting.timeLimit;
-  if (solid && setting.repairSeconds > 0 && inTime && !isSound(assembly, std::abs(distance))) {
+  if (solid && setting.repairSeconds > 0) {
     const RepairRequest request{options, setting.fuzzy * diagonal, levelTolerance, judgedOf};
     Result<Assembly> repaired =
         repairPieces(judged, request, phi, {setting.repairSeconds, kRepairMemoryMiB});

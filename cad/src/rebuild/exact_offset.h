@@ -19,14 +19,12 @@ struct AttemptSetting {
   bool unifyInput = false;       ///< merge split faces of the input first
   bool dropDeadPatches = false;  ///< drop patches that no label of the iso-surface names
   bool thinPairs = false;        ///< patches that cannot cross on the offset are not intersected
-  /// s, > 0: where the pieces do not close they are cut where phi shows that they leave the offset,
-  /// then corners are given up to facets; for at most so long.
+  /// s, > 0: the pieces are cut where phi shows that they leave the offset, even if they close,
+  /// then corners are given up to facets; for at most so long. For when earlier settings failed.
   double repairSeconds = 0;
-  /// That is done even if they close: for when an earlier setting's result was rejected.
-  bool alwaysRepair = false;
   /// Share of |d| at which the offset is made. At d itself parts of it may touch or be of no width,
   /// as where a slot just closes, which no solid can have; a little before it is one, within the
-  /// tolerance. Less than 1: for when an earlier result passed but for parts that are missing.
+  /// tolerance. Patches that General Fuse cuts badly at d often are cut well there.
   double reach = 1;
   double timeLimit = 15;  ///< s
 };

@@ -52,7 +52,6 @@ struct CheckResult {
   double coverageMax = 0;
   double rightSide = 1;          ///< share of OUT's area on the right side of IN
   double buried = 0;             ///< share of OUT's area inside OUT: solids that overlap
-  bool incomplete = false;       ///< parts of the true offset are missing
   bool trueOffsetEmpty = false;  ///< no point of IN has an offset: the right answer is "nothing"
   int untessellatedFaces = 0;
   Vec3 worstPoint = Vec3::Zero();

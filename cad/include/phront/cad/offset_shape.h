@@ -40,7 +40,7 @@ struct BodyReport {
   int roundedFaces = 0;  ///< mitre join: faces left round, all of them on facets and sheets
   int solids = 0;        ///< result solids
   std::string setting;   ///< which attempt the judge accepted
-  double reach = 1;      ///< share of the distance it was made at: less where parts just touch
+  double reach = 1;  ///< share of the distance it was made at: less where parts touch or cut badly
   std::vector<std::string> attempts;  ///< one line each: setting, outcome, seconds
   CheckResult check;
   std::size_t checkedFile = 0;  ///< fingerprint of the file's shape that `check` is of; 0: of none
