@@ -238,8 +238,10 @@ Result<std::filesystem::path> writeOffset(const Model& in, OffsetResult& result,
   const Recheck recheck = [&](const Model& back, double seconds) {
     return checkOffset(in, back, offeredCheck(made, seconds));
   };
+  // Bodies that were offset together were checked together; apart they are judged otherwise.
   const std::vector<BodyReport>& bodies = result.report.bodies;
-  const std::size_t checked = bodies.size() == 1 ? bodies.front().checkedFile : 0;
+  const bool single = in.bodies.size() == 1 && bodies.size() == 1;
+  const std::size_t checked = single ? bodies.front().checkedFile : 0;
   return writeChecked(result.model, {path, keep, made.timeLimit, result.report.times, checked},
                       recheck, result.report.check);
 }

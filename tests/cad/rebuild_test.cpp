@@ -296,9 +296,10 @@ TEST(ExchangeFault, OpenSolidsAreFound) {
 // What was checked is what is written, to the last digit, or it is checked again.
 TEST(ReadBack, TheSameShapeHasTheSameFingerprint) {
   const auto back = [](double height) {
-    const Result<Model> model = readBack({test::solidBody(test::box(1, 2, height))});
+    const auto model = readBack({test::solidBody(test::box(1, 2, height))});
     EXPECT_TRUE(model) << model.error().message;
-    return fingerprintOf(*model);
+    EXPECT_TRUE(*model);
+    return fingerprintOf(model->value());
   };
   EXPECT_EQ(back(3), back(3));
   EXPECT_NE(back(3), back(3 + 1e-12));

@@ -55,9 +55,10 @@ CheckResult BodyCheck::inMemory(const std::vector<Body>& result, const OffsetOpt
 
 FileCheck BodyCheck::fromFile(const std::vector<Body>& result, const OffsetOptions& options,
                               double seconds) const {
-  const Result<Model> back = readBack(result);
+  const Result<std::optional<Model>> back = readBack(result);
   if (!back) return {failedCheck("the result does not survive a file: " + back.error().message), 0};
-  return {check(*back, offeredCheck(options, seconds)), fingerprintOf(*back)};
+  if (!*back) return {inMemory(result, options, seconds), 0};
+  return {check(**back, offeredCheck(options, seconds)), fingerprintOf(**back)};
 }
 
 }  // namespace phront::cad

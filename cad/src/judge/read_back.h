@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,15 +14,15 @@
 
 namespace phront::cad {
 
-/// Writes the solids or sheets to a temporary STEP file and reads it back, without repair. Fails
-/// with what writing and reading fail with, CannotWrite where there is no place for the file.
-[[nodiscard]] Result<Model> readBack(const std::vector<Body>& bodies);
+/// Writes the solids or sheets to a temporary STEP file and reads it back, without repair. nullopt
+/// where there is no place for the file. Fails as writeModel() and readModel().
+[[nodiscard]] Result<std::optional<Model>> readBack(const std::vector<Body>& bodies);
 
 /// The same for models whose shapes are the same to the last bit, within one process. Never 0.
 [[nodiscard]] std::size_t fingerprintOf(const Model& model);
 
 /// What is wrong with what comes back (not closed, not valid, faces that cannot be tessellated),
-/// empty when nothing is. `size`: see usualMeshSize().
+/// empty when nothing is, or nothing can be tried. `size`: see usualMeshSize().
 [[nodiscard]] std::string exchangeFault(const Model& out, const MeshSize& size);
 
 /// Makes the check of an offset (or a wall) that passes fail where `bodies` do not survive that.

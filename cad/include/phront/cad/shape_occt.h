@@ -11,7 +11,7 @@ struct Shape::Impl {
   TopoDS_Shape shape;
 };
 
-[[nodiscard]] Shape makeShape(TopoDS_Shape shape);                ///< empty Shape for a null one
+[[nodiscard]] Shape makeShape(TopoDS_Shape shape);          ///< empty Shape for a null one
 [[nodiscard]] const TopoDS_Shape& occtShape(const Shape& shape);  ///< null shape for an empty one
 
 }  // namespace phront::cad
