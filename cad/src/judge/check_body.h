@@ -19,7 +19,7 @@ inline constexpr int kOfferedSamples = 6000;
 /// Of a result as it comes back from a file.
 struct FileCheck {
   CheckResult check;
-  std::size_t fingerprint = 0;  ///< of what was checked (fingerprintOf); 0: there is no file
+  std::size_t fingerprint = 0;  ///< of what was checked (fingerprintOf); 0: check the file again
 };
 
 /// Checks results against one body, as read. A check that fails to come about is a check that does
