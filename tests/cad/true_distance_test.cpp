@@ -1,12 +1,18 @@
 #include "tessellate/true_distance.h"
 
 #include <gtest/gtest.h>
+#include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakeWire.hxx>
+#include <BRepLib.hxx>
+#include <GCE2d_MakeSegment.hxx>
+#include <Geom2d_TrimmedCurve.hxx>
 #include <Geom_BezierSurface.hxx>
 #include <Geom_ToroidalSurface.hxx>
 #include <TColgp_Array2OfPnt.hxx>
 #include <gp_Ax3.hxx>
 
+#include <array>
 #include <chrono>
 #include <functional>
 #include <numbers>
@@ -277,6 +283,44 @@ TEST(TrueDistance, RefusesATessellationOfAnotherShape) {
   auto mesh = tessellate(test::solidBody(test::box(1, 1, 1)), {.deflection = 0.1});
   ASSERT_TRUE(mesh);
   EXPECT_FALSE(TrueDistance::build(test::sphere(1), std::move(*mesh)));
+}
+
+/// The sheet (u^3 - u, u^2, 10 v), |u| <= 2, which crosses itself in the line x = 0, y = 1, without
+/// its loop |u| < 1 at 0.1 < v < 0.9: there two of its borders lie on one another.
+TopoDS_Face sheetWithoutLoop() {
+  TColgp_Array2OfPnt poles(1, 4, 1, 2);
+  const std::array<Eigen::Vector2d, 4> profile{
+      Eigen::Vector2d(-6, 4), {8 + 2.0 / 3, -4.0 / 3}, {-8 - 2.0 / 3, -4.0 / 3}, {6, 4}};
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector2d& p = profile[static_cast<std::size_t>(i)];
+    for (int j = 0; j < 2; ++j) poles(i + 1, j + 1) = gp_Pnt(p.x(), p.y(), 10 * j);
+  }
+  const Handle(Geom_Surface) surface = new Geom_BezierSurface(poles);
+  const std::array<gp_Pnt2d, 4> corners{gp_Pnt2d(0.25, 0.1), {0.25, 0.9}, {0.75, 0.9}, {0.75, 0.1}};
+  BRepBuilderAPI_MakeWire hole;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const gp_Pnt2d& from = corners[i];
+    const gp_Pnt2d& to = corners[(i + 1) % 4];
+    hole.Add(BRepBuilderAPI_MakeEdge(GCE2d_MakeSegment(from, to).Value(), surface).Edge());
+  }
+  BRepBuilderAPI_MakeFace face(surface, 1e-7);
+  face.Add(hole.Wire());
+  BRepLib::BuildCurves3d(face.Face());
+  return face.Face();
+}
+
+TEST(TrueDistance, KnowsItsSheetWhereBordersLieOnOneAnother) {
+  const TrueDistance distance = exactDistance(sheetWithoutLoop(), 0.3, BodyKind::Sheet);
+  for (const double u : {-1.5, -1.2, -1.1, -1.02, 1.02, 1.1, 1.2, 1.5}) {
+    for (const double z : {2.1, 4.7, 7.3}) {
+      EXPECT_NEAR(distance.foot(Vec3(u * u * u - u, u * u, z)).distance, 0, 1e-7) << u << " " << z;
+    }
+  }
+  // On the loop that is not there: as far as its sides.
+  for (const double u : {-0.99, -0.97, 0.97, 0.99}) {
+    const Vec3 x(u * u * u - u, u * u, 5);
+    EXPECT_GT(distance.foot(x).distance, 0.2 * (x - Vec3(0, 1, 5)).norm()) << u;
+  }
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 // in the edge's range and halved until the distance falls.
 #include "patches/trimmed_face.h"
 
-#include <BRepClass_FaceClassifier.hxx>
 #include <BRep_Tool.hxx>
 #include <Precision.hxx>
 #include <TopExp.hxx>
@@ -14,6 +13,7 @@ namespace phront::cad {
 namespace {
 
 constexpr int kNewtonSteps = 30;
+constexpr double kOnBorder = 1e-9;    // of the parameter plane
 constexpr double kConverged = 1e-12;  // step, of the parameter range
 
 }  // namespace
@@ -123,17 +123,17 @@ Vec3 ExactEdge::tangent(double parameter) const {
   return toVec3(d.XYZ());
 }
 
-TrimmedFace::TrimmedFace(const TopoDS_Face& face, std::vector<BorderEdge> border)
+TrimmedFace::TrimmedFace(const TopoDS_Face& face, std::vector<Index> border)
     : face_(face), surface_(face), border_(std::move(border)) {}
 
 bool TrimmedFace::hasBorder(Index edge) const {
-  return std::any_of(border_.begin(), border_.end(),
-                     [&](const BorderEdge& b) { return b.edge == edge; });
+  return std::find(border_.begin(), border_.end(), edge) != border_.end();
 }
 
-bool TrimmedFace::classify(const Eigen::Vector2d& uv, double tolerance) const {
-  const BRepClass_FaceClassifier classifier(face_, gp_Pnt2d(uv.x(), uv.y()), tolerance);
-  return classifier.State() == TopAbs_IN || classifier.State() == TopAbs_ON;
+bool TrimmedFace::contains(const Eigen::Vector2d& uv) const {
+  if (!domain_) domain_ = std::make_unique<BRepTopAdaptor_FClass2d>(face_, kOnBorder);
+  const TopAbs_State state = domain_->Perform(gp_Pnt2d(uv.x(), uv.y()));
+  return state == TopAbs_IN || state == TopAbs_ON;
 }
 
 }  // namespace phront::cad

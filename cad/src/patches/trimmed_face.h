@@ -2,6 +2,7 @@
 #pragma once
 
 #include <BRepAdaptor_Curve.hxx>
+#include <BRepTopAdaptor_FClass2d.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <memory>
@@ -66,23 +67,21 @@ class ExactEdge {
 /// One face: its surface and its border edges.
 class TrimmedFace {
  public:
-  struct BorderEdge {
-    Index edge = kNone;
-    bool reversed = false;  ///< the oriented face runs the edge against its curve
-  };
-  TrimmedFace(const TopoDS_Face& face, std::vector<BorderEdge> border);
+  /// `border`: numbers of its edges, seams and degenerated ones left out.
+  TrimmedFace(const TopoDS_Face& face, std::vector<Index> border);
 
   [[nodiscard]] const FaceSurface& surface() const { return surface_; }
-  [[nodiscard]] const std::vector<BorderEdge>& border() const { return border_; }
+  [[nodiscard]] const std::vector<Index>& border() const { return border_; }
   [[nodiscard]] bool hasBorder(Index edge) const;
 
-  /// Slow and exact, for the neighbourhood of vertices.
-  [[nodiscard]] bool classify(const Eigen::Vector2d& uv, double tolerance) const;
+  /// Does the trimmed domain hold these parameters? Its border counts as inside.
+  [[nodiscard]] bool contains(const Eigen::Vector2d& uv) const;
 
  private:
   TopoDS_Face face_;
   FaceSurface surface_;
-  std::vector<BorderEdge> border_;  ///< by number
+  std::vector<Index> border_;
+  mutable std::unique_ptr<BRepTopAdaptor_FClass2d> domain_;  ///< made when first asked
 };
 
 }  // namespace phront::cad

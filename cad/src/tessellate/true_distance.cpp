@@ -3,12 +3,12 @@
 // The nearest triangle names a face and parameters on it; the foot on the face's untrimmed surface
 // (closed form or Newton) counts if it lies in the trimmed domain, else the foot on the face's
 // border curves does. Far from the border the triangles know the domain; within their chordal error
-// of it the side of the nearest border point decides. As triangles deviate from their faces, every
-// other face whose triangles come within the best distance plus twice its own deflection is tried
-// too. A refined foot is accepted only if its distance agrees with the triangles' within a few
-// chordal errors, so that a Newton iteration gone astray costs accuracy, never correctness. Weak
-// spots: the measured deflection is a sample; where it is too small, a nearer face may be missed by
-// the difference.
+// of it the parameter plane decides: the nearest border point does not, as where a face meets
+// itself borders lie on one another. As triangles deviate from their faces, every other face whose
+// triangles come within the best distance plus twice its own deflection is tried too. A refined
+// foot is accepted only if its distance agrees with the triangles' within a few chordal errors, so
+// that a Newton iteration gone astray costs accuracy, never correctness. Weak spots: the measured
+// deflection is a sample; where it is too small, a nearer face may be missed by the difference.
 #include "tessellate/true_distance.h"
 
 #include <BRep_Tool.hxx>
@@ -32,6 +32,8 @@ constexpr double kReachFactor = 2;   // of a face's deflection: measured on a sa
 constexpr double kRoundOff = 1e-11;  // of the diagonal: distances closer than this are equal
 constexpr double kResidual = 1e-10;  // of the diagonal: tangential residual of Newton
 constexpr double kRingShare = 0.25;  // a foot this far outside a triangle is still in its ring
+constexpr double kWorth = 0.1;       // of a face's deflection: a foot so much farther is doubted
+constexpr int kLineSamples = 24;     // on a parameter line across a triangle
 constexpr double kNudge = 1e-7;      // of the way to the triangle's middle, off singular points
 
 std::size_t at(Index i) { return static_cast<std::size_t>(i); }
@@ -90,6 +92,8 @@ struct TrueDistance::Impl {
                                   const Vec3& point) const;
   [[nodiscard]] Candidate borderFoot(const Vec3& x, Index face) const;
   [[nodiscard]] Candidate meshCandidate(const FootPoint& foot) const;
+  [[nodiscard]] SurfaceFoot footFrom(const Vec3& x, const FootPoint& foot,
+                                     const Candidate& start) const;
   [[nodiscard]] Candidate refine(const Vec3& x, const FootPoint& foot) const;
   [[nodiscard]] double signAt(const Vec3& x, const Candidate& c, double meshSign) const;
   [[nodiscard]] const FaceFeature& faceFeature(Index f) const {
@@ -99,7 +103,7 @@ struct TrueDistance::Impl {
 
 void TrueDistance::Impl::indexShape(const TopoDS_Shape& shape) {
   ShapeIndex index(shape);
-  std::vector<std::vector<TrimmedFace::BorderEdge>> border(index.surfaces.size());
+  std::vector<std::vector<Index>> border(index.surfaces.size());
   apices.resize(index.surfaces.size());
   for (std::size_t e = 0; e < index.uses.size(); ++e) {
     const TopoDS_Edge& edge = TopoDS::Edge(index.maps.edges(static_cast<int>(e) + 1));
@@ -120,7 +124,7 @@ void TrueDistance::Impl::indexShape(const TopoDS_Shape& shape) {
         return u.faceIndex == uses[i].faceIndex;
       });
       if (inFace != 1) continue;  // seams are no border
-      border[f].push_back({static_cast<Index>(e), uses[i].edge.Orientation() == TopAbs_REVERSED});
+      border[f].push_back(static_cast<Index>(e));
     }
   }
   for (std::size_t f = 0; f < border.size(); ++f) {
@@ -162,8 +166,8 @@ void TrueDistance::Impl::indexTriangles() {
   for (std::size_t e = 0; e < edges.size(); ++e) edges[e].setSegments(std::move(segments[e]));
   for (std::size_t f = 0; f < faces.size(); ++f) {
     slack.push_back(tessellation.features.faces[f].deflection);
-    for (const auto& b : faces[f]->border()) {
-      slack[f] = std::max(slack[f], edges[at(b.edge)].chord() + edges[at(b.edge)].tolerance());
+    for (const Index e : faces[f]->border()) {
+      slack[f] = std::max(slack[f], edges[at(e)].chord() + edges[at(e)].tolerance());
     }
   }
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -192,17 +196,7 @@ bool TrueDistance::Impl::insideDomain(Index face, Index triangle, const Eigen::V
     const FootPoint onMesh = surface.footOnFace(point, face, border.distance);
     return onMesh.triangle != kNone && onMesh.distance < 0.5 * border.distance;
   }
-  const TrimmedFace& trimmed = *faces[at(face)];
-  Vec3 onSurface, normal;
-  if (border.edge == kNone || border.vertex != kNone ||
-      !trimmed.surface().pointAndNormal(uv, onSurface, normal)) {
-    return trimmed.classify(uv, 1e-9);
-  }
-  Vec3 along = edges[at(border.edge)].tangent(border.parameter);
-  for (const TrimmedFace::BorderEdge& e : trimmed.border()) {
-    if (e.edge == border.edge && e.reversed != trimmed.surface().mirrored()) along = -along;
-  }
-  return normal.cross(along).dot(point - border.point) > 0;
+  return faces[at(face)]->contains(uv);
 }
 
 Candidate TrueDistance::Impl::borderFoot(const Vec3& x, Index face) const {
@@ -213,7 +207,7 @@ Candidate TrueDistance::Impl::borderFoot(const Vec3& x, Index face) const {
   };
   std::vector<Near> near;
   double best = std::numeric_limits<double>::infinity();
-  for (const auto& [e, reversed] : faces[at(face)]->border()) {
+  for (const Index e : faces[at(face)]->border()) {
     const ExactEdge& edge = edges[at(e)];
     if (!edge.usable() || edge.box().exteriorDistance(x) > best + 2 * edge.chord()) continue;
     const auto [distance, segment] = edge.nearestSegment(x);
@@ -264,11 +258,37 @@ Candidate TrueDistance::Impl::meshCandidate(const FootPoint& foot) const {
   return c;
 }
 
+// Where a face turns back or collapses, the parameters of a point of a triangle may be those of
+// another sheet: when the foot is farther than the triangle can be off, it is sought from the
+// nearest point on the parameter lines through the first guess, too.
+SurfaceFoot TrueDistance::Impl::footFrom(const Vec3& x, const FootPoint& foot,
+                                         const Candidate& start) const {
+  const FaceSurface& face = faces[at(start.face)]->surface();
+  const SurfaceFoot first = face.foot(x, kResidual * diagonal, start.uv);
+  const double distance = (first.point - x).norm();
+  if (distance <= start.distance + kWorth * slack[at(start.face)]) return first;
+  const auto& corners = tessellation.uv[at(foot.triangle)];
+  Eigen::Vector2d nearest = start.uv;
+  double least = std::numeric_limits<double>::infinity();
+  for (const int along : {0, 1}) {
+    const auto [low, high] = std::minmax({corners[0][along], corners[1][along], corners[2][along]});
+    for (int i = 0; i <= kLineSamples; ++i) {
+      Eigen::Vector2d uv = start.uv;
+      uv[along] = std::lerp(low, high, static_cast<double>(i) / kLineSamples);
+      const double off = (face.point(uv) - x).squaredNorm();
+      if (off >= least) continue;
+      least = off;
+      nearest = uv;
+    }
+  }
+  const SurfaceFoot second = face.foot(x, kResidual * diagonal, nearest);
+  return (second.point - x).norm() < distance ? second : first;
+}
+
 Candidate TrueDistance::Impl::refine(const Vec3& x, const FootPoint& foot) const {
   const Candidate start = meshCandidate(foot);
   Candidate result = start;
-  const TrimmedFace& face = *faces[at(start.face)];
-  const SurfaceFoot onFace = face.surface().foot(x, kResidual * diagonal, start.uv);
+  const SurfaceFoot onFace = footFrom(x, foot, start);
   result.uv = onFace.uv;
   result.point = onFace.point;
   const bool inside =
