@@ -29,6 +29,7 @@
 #include "rebuild/cells.h"
 #include "rebuild/facet_gaps.h"
 #include "rebuild/fill_gaps.h"
+#include "rebuild/tiny_edges.h"
 
 namespace phront::cad {
 namespace {
@@ -132,6 +133,7 @@ class Assembler {
     result.shape = asOne(solids);
     if (result.shape.IsNull()) return result;
     if (!BRepCheck_Analyzer(result.shape).IsValid()) repair(result);
+    result.shape = withoutTinyEdges(result.shape);
     result.openEdges = countOpenEdges(result.shape);
     // Of several solids one that does not close is simply not there.
     if (areaOf(result.shape) < (1 - kUnusedArea) * liveArea_) ++result.openEdges;
