@@ -39,6 +39,8 @@ constexpr double kStep = 1e-3;
 /// Pieces narrower than this share of the diagonal have no area: no file can carry them, and sewing
 /// closes the gap they leave.
 constexpr double kNoWidth = 1e-6;
+/// Of |d|: edges known worse than this are not taken for the same, whatever lies between them.
+constexpr double kMostBlurred = 0.05;
 /// Share of the live area that a complete result may leave out: doubles and strays.
 constexpr double kUnusedArea = 5e-3;
 /// How well a fitted patch meets its edges, of |d|, and how far it is sewn, in parts of that.
@@ -63,14 +65,20 @@ bool hasVolume(const TopoDS_Shape& solid, double diagonal) {
   return volumeOf(solid) > kNoVolume * diagonal * areaOf(solid);
 }
 
-bool hasWidth(const TopoDS_Shape& face, double area, double width) {
-  double perimeter = 0;
+/// Of the edges of a face: how long together, and how well they are known at worst.
+struct Outline {
+  double length = 0;
+  double tolerance = 0;
+};
+
+Outline outlineOf(const TopoDS_Shape& face) {
+  Outline outline;
   for (const TopoDS_Edge& edge : edgesOf(TopoDS::Face(face))) {
-    if (!BRep_Tool::Degenerated(edge)) {
-      perimeter += GCPnts_AbscissaPoint::Length(BRepAdaptor_Curve(edge));
-    }
+    if (BRep_Tool::Degenerated(edge)) continue;
+    outline.length += GCPnts_AbscissaPoint::Length(BRepAdaptor_Curve(edge));
+    outline.tolerance = std::max<double>(outline.tolerance, BRep_Tool::Tolerance(edge));
   }
-  return area > 0.5 * width * perimeter;
+  return outline;
 }
 
 class Assembler {
@@ -82,16 +90,25 @@ class Assembler {
       index_.Bind(faces[i].face, static_cast<int>(i));
       if (!faces[i].live) continue;
       const double area = areaOf(faces[i].face);
-      if (hasWidth(faces[i].face, area, kNoWidth * options.diagonal)) {
-        live_.push_back(faces[i].face);
-        liveArea_ += area;
-      } else {
+      const Outline outline = outlineOf(faces[i].face);
+      const double width = 2 * area / outline.length;
+      if (!(width > kNoWidth * options.diagonal)) {
         hasSlivers_ = true;
+        continue;
       }
+      live_.push_back(faces[i].face);
+      liveArea_ += area;
+      if (width > outline.tolerance ||
+          outline.tolerance > kMostBlurred * std::abs(options.distance))
+        sharp_.push_back(faces[i].face);
+      else
+        blur_ = std::max(blur_, outline.tolerance);
     }
   }
 
   [[nodiscard]] bool mustSew() const { return hasSlivers_; }
+  /// Are there pieces narrower than their edges are known?
+  [[nodiscard]] bool isBlurred() const { return blur_ > 0; }
 
   /// Share of faces that say "this cell is inside". Dead faces lie wholly in phi < d; a live one
   /// says so when phi grows across it outwards.
@@ -156,10 +173,13 @@ class Assembler {
   Assembly fromPieces() { return finish(cellsOf(live_), "pieces"); }
 
   Assembly fromSewnPieces() {
-    BRepBuilderAPI_Sewing sewing(std::max(options_.sewTolerance, kNoWidth * options_.diagonal));
-    for (const TopoDS_Shape& face : live_) sewing.Add(face);
-    sewing.Perform();
-    return finish(cellsOf(partsOf(sewing.SewedShape(), TopAbs_FACE)), "sewn pieces");
+    const double tolerance = std::max(options_.sewTolerance, kNoWidth * options_.diagonal);
+    return finish(cellsOf(sewn(live_, tolerance)), "sewn pieces");
+  }
+
+  /// Without pieces that are narrower than their edges are known.
+  Assembly fromSharpPieces() {
+    return finish(cellsOf(sewn(sharp_, std::max(options_.sewTolerance, blur_))), "sharp pieces");
   }
 
   /// The pieces with fitted patches in their gaps; a null shape when there is a gap without.
@@ -208,11 +228,20 @@ class Assembler {
   }
 
  private:
+  static std::vector<TopoDS_Shape> sewn(const std::vector<TopoDS_Shape>& faces, double tolerance) {
+    BRepBuilderAPI_Sewing sewing(tolerance);
+    for (const TopoDS_Shape& face : faces) sewing.Add(face);
+    sewing.Perform();
+    return partsOf(sewing.SewedShape(), TopAbs_FACE);
+  }
+
   const std::vector<JudgedFace>& faces_;
   AssembleOptions options_;
   const TrueDistance& phi_;
   std::vector<TopoDS_Shape> live_;
   double liveArea_ = 0;
+  std::vector<TopoDS_Shape> sharp_;  ///< of the live ones
+  double blur_ = 0;                  ///< mm, of the others
   bool hasSlivers_ = false;
   TopTools_DataMapOfShapeInteger index_;
 };
@@ -241,6 +270,7 @@ Assembly assembleSolids(const std::vector<JudgedFace>& faces, const AssembleOpti
                         const TrueDistance& phi) {
   Assembler assembler(faces, options, phi);
   std::vector<std::function<Assembly()>> ways;
+  if (assembler.isBlurred()) ways.push_back([&] { return assembler.fromSharpPieces(); });
   if (!assembler.mustSew()) ways.push_back([&] { return assembler.fromPieces(); });
   if (options.sewTolerance > 0 || assembler.mustSew())
     ways.push_back([&] { return assembler.fromSewnPieces(); });
