@@ -134,6 +134,37 @@ TEST(ReuniteFaces, KeepsApartWhatWasTwoOnThePart) {
   EXPECT_TRUE(reuniteFaces(shrunk, phi, 20).IsNull());
 }
 
+TEST(AssembleSolids, LeavesOutPiecesNarrowerThanTheirEdgesAreKnown) {
+  const TopoDS_Shape part = test::box(10, 10, 10);
+  const TrueDistance phi = distanceOf(part, 0.01);
+  const double d = -1;
+  const auto exact = tryExactOffset(part, true, d, phi, attemptSettings().front());
+  ASSERT_TRUE(exact) << exact.error().message;
+  // A strip on top of it, 0.01 wide.
+  const std::vector<TopoDS_Shape> cuts{
+      BRepBuilderAPI_MakeEdge(gp_Pnt(5, 1, 9), gp_Pnt(5, 9, 9)).Edge(),
+      BRepBuilderAPI_MakeEdge(gp_Pnt(5.01, 1, 9), gp_Pnt(5.01, 9, 9)).Edge()};
+  for (const double tolerance : {1e-7, 0.02}) {
+    const auto split = splitFaces(facesOf(exact->shape), 0, {}, cuts);
+    ASSERT_TRUE(split) << split.error().message;
+    ASSERT_EQ(split->size(), 8U);
+    for (const TopoDS_Face& piece : *split) {
+      for (TopExp_Explorer edge(piece, TopAbs_EDGE); edge.More(); edge.Next()) {
+        const BRepAdaptor_Curve curve(TopoDS::Edge(edge.Current()));
+        const gp_Pnt middle = curve.Value((curve.FirstParameter() + curve.LastParameter()) / 2);
+        if (middle.Distance(gp_Pnt(5.005, 5, 9)) < 0.01)
+          BRep_Builder().UpdateEdge(TopoDS::Edge(edge.Current()), tolerance);
+      }
+    }
+    const Assembly made = assembleSolids(judgeFaces(*split, true, d, 1e-5, phi),
+                                         {.distance = d, .diagonal = 17.3, .sewTolerance = 0}, phi);
+    EXPECT_EQ(made.openEdges, 0);
+    EXPECT_EQ(facesOf(made.shape).size(), tolerance > 0.01 ? 7U : 8U);
+    EXPECT_TRUE(BRepCheck_Analyzer(made.shape).IsValid());
+    EXPECT_NEAR(volumeOf(made.shape), 512, 512 * 0.02);
+  }
+}
+
 TEST(FillGaps, ClosesWhereAPieceIsMissing) {
   const double d = 0.5;
   const TopoDS_Shape shape = test::box(4, 3, 2);
