@@ -19,11 +19,13 @@
 #include <gp_Pln.hxx>
 #include <gp_Trsf.hxx>
 
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <numbers>
 
+#include "exchange/measures.h"
 #include "judge/read_back.h"
 #include "rebuild/contact_cells.h"
 #include "rebuild/exact_offset.h"
@@ -57,12 +59,6 @@ std::vector<TopoDS_Face> facesOf(const TopoDS_Shape& shape) {
   for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next())
     faces.push_back(TopoDS::Face(f.Current()));
   return faces;
-}
-
-double volumeOf(const TopoDS_Shape& shape) {
-  GProp_GProps properties;
-  BRepGProp::VolumeProperties(shape, properties);
-  return properties.Mass();
 }
 
 TopoDS_Face square(const gp_Pnt& middle, const gp_Dir& normal, double half) {
@@ -132,6 +128,29 @@ TEST(ReuniteFaces, KeepsApartWhatWasTwoOnThePart) {
   const TopoDS_Shape shrunk = exactOffset(box, -1, phi);
   ASSERT_EQ(facesOf(shrunk).size(), 10U);
   EXPECT_TRUE(reuniteFaces(shrunk, phi, 20).IsNull());
+}
+
+TEST(SplitFaces, LinesThatEndInsideBoundNothing) {
+  const TopoDS_Face whole = square(gp::Origin(), gp::DZ(), 1);
+  const std::array<gp_Pnt, 3> corners{gp_Pnt(0, 0, 0), gp_Pnt(0.4, -0.3, 0), gp_Pnt(0.4, 0.3, 0)};
+  // A triangle inside, a line to it from the border, and one that ends in the open.
+  std::vector<TopoDS_Shape> cuts{
+      BRepBuilderAPI_MakeEdge(gp_Pnt(-1, 0, 0), corners[0]).Edge(),
+      BRepBuilderAPI_MakeEdge(gp_Pnt(0, 1, 0), gp_Pnt(0, 0.5, 0)).Edge()};
+  for (std::size_t i = 0; i < 3; ++i)
+    cuts.push_back(BRepBuilderAPI_MakeEdge(corners[i], corners[(i + 1) % 3]).Edge());
+  const auto split = splitFaces({whole}, 0, {}, cuts);
+  ASSERT_TRUE(split) << split.error().message;
+  ASSERT_EQ(split->size(), 2U);
+  double area = 0;
+  for (const TopoDS_Face& piece : *split) {
+    area += areaOf(piece);
+    EXPECT_TRUE(BRepCheck_Analyzer(piece).IsValid());
+    std::map<const void*, int> uses;
+    for (TopExp_Explorer edge(piece, TopAbs_EDGE); edge.More(); edge.Next())
+      EXPECT_EQ(++uses[edge.Current().TShape().get()], 1);
+  }
+  EXPECT_NEAR(area, 4, 1e-9);
 }
 
 TEST(AssembleSolids, LeavesOutPiecesNarrowerThanTheirEdgesAreKnown) {

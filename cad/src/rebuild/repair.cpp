@@ -11,7 +11,9 @@
 #include <sstream>
 
 #include "exchange/shape_bytes.h"
+#include "judge/read_back.h"
 #include "patches/patch_tools.h"
+#include "phront/cad/shape_occt.h"
 #include "rebuild/front_cuts.h"
 #include "rebuild/fuse.h"
 
@@ -54,14 +56,28 @@ Result<Assembly> repaired(const std::vector<JudgedFace>& pieces, const RepairReq
   return fail(ErrorCode::Failed, "the pieces do not close");
 }
 
+bool isSoundShape(const TopoDS_Shape& shape, double size) {
+  if (countOpenEdges(shape) > 0 || !BRepCheck_Analyzer(shape).IsValid()) return false;
+  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
+    if (!tessellates(TopoDS::Face(it.Current()), size)) return false;
+  return true;
+}
+
 }  // namespace
 
 bool isSound(const Assembly& assembly, double size) {
   if (assembly.shape.IsNull() || assembly.openEdges > 0) return false;
-  if (!BRepCheck_Analyzer(assembly.shape).IsValid()) return false;
-  for (TopExp_Explorer it(assembly.shape, TopAbs_FACE); it.More(); it.Next())
-    if (!tessellates(TopoDS::Face(it.Current()), size)) return false;
-  return true;
+  if (isSoundShape(assembly.shape, size)) return true;
+  // What reads a file makes its own parameter curves, also where these have gaps.
+  Body body;
+  body.shape = makeShape(assembly.shape);
+  body.kind = BodyKind::Solid;
+  const Result<std::optional<Model>> back = readBack({body});
+  if (!back || !*back) return false;
+  const std::vector<Body>& bodies = (*back)->bodies;
+  return !bodies.empty() && std::all_of(bodies.begin(), bodies.end(), [&](const Body& b) {
+    return b.kind == BodyKind::Solid && isSoundShape(occtShape(b.shape), size);
+  });
 }
 
 Result<Assembly> repairPieces(const std::vector<JudgedFace>& pieces, const RepairRequest& request,

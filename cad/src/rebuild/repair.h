@@ -15,7 +15,8 @@ struct RepairRequest {
   std::function<std::vector<JudgedFace>(const std::vector<TopoDS_Face>&)> judge;
 };
 
-/// Closed, valid, and every face tessellates at a size of the order of `size`, mm.
+/// Closed, valid, and every face tessellates at a size of the order of `size`, mm: in memory or as
+/// read back from a file.
 [[nodiscard]] bool isSound(const Assembly& assembly, double size);
 
 /// Cuts the pieces where phi shows that they leave the offset; what is open after that goes to
