@@ -32,6 +32,7 @@ namespace {
 /// Interpolation points of a parameter curve: a cubic through them stays within 1e-8 of the radius
 /// on a quarter circle.
 constexpr int kArcPoints = 81;
+constexpr double kHalfTurn = 0.1;  // rad: arcs this near to half a turn need their axis
 
 struct Ray {
   gp_Vec direction;  ///< unit, away from the vertex
@@ -133,17 +134,31 @@ std::vector<gp_Vec> directionsOf(const Side& side, const gp_Pnt& centre) {
   return directions;
 }
 
+/// The end of the pipe of a knife's edge is half a circle, which its ends do not tell from the
+/// other half. Null where they tell.
+TopoDS_Edge halfCircle(const Ray& ray, const Side& side, const gp_Pnt& centre, double radius,
+                       ArcPool& arcs) {
+  const gp_Vec from(centre, BRep_Tool::Pnt(side.from));
+  const gp_Vec to(centre, BRep_Tool::Pnt(side.to));
+  if (from.Angle(to) < M_PI - kHalfTurn) return {};
+  const double turn = std::atan2(ray.n1.Crossed(ray.n2).Dot(ray.direction), ray.n1.Dot(ray.n2));
+  return arcs.arc(centre, turn > 0 ? ray.direction : ray.direction.Reversed(), radius, side.from,
+                  side.to);
+}
+
 /// The loop that the pipe ends of a convex vertex make, with what poles there have opened into;
 /// empty when they make none.
 Outline chainedOutline(const std::vector<Ray>& rays, const VertexImages& images, int vertex,
-                       const std::vector<TopoDS_Edge>& opened, const gp_Pnt& centre) {
+                       const std::vector<TopoDS_Edge>& opened, const gp_Pnt& centre, double radius,
+                       ArcPool& arcs) {
   std::vector<Side> sides;
   for (const Ray& ray : rays) {
-    const Side side{
+    Side side{
         images.image(vertex, ray.face1, ray.edge), images.image(vertex, ray.face2, ray.edge), {}};
     if (side.from.IsNull() || side.to.IsNull()) return {};
     if (side.from.IsSame(side.to)) continue;
     if (!ray.pipe || !(ray.angle > 0)) return {};
+    side.edge = halfCircle(ray, side, centre, radius, arcs);
     sides.push_back(side);
   }
   for (const TopoDS_Edge& edge : opened)
@@ -286,7 +301,7 @@ TopoDS_Face spherePatch(const EdgeTable& table, const std::vector<int>& edges,
                         ArcPool& arcs) {
   const std::vector<Ray> rays = raysAt(table, edges, vertex);
   const gp_Pnt centre = BRep_Tool::Pnt(TopoDS::Vertex(table.vertexIndex(vertex + 1)));
-  Outline outline = chainedOutline(rays, images, vertex, opened, centre);
+  Outline outline = chainedOutline(rays, images, vertex, opened, centre, radius, arcs);
   if (outline.sides.empty()) outline = polarOutline(rays, images, vertex, centre, radius);
   const std::vector<gp_Vec>& directions = outline.directions;
   if (directions.size() < 3) return {};
