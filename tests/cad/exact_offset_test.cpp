@@ -12,6 +12,7 @@
 #include <BRepGProp.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakePrism.hxx>
 #include <BRepPrimAPI_MakeRevol.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
@@ -24,6 +25,7 @@
 #include <TopoDS.hxx>
 #include <gp.hxx>
 #include <gp_Ax2.hxx>
+#include <gp_Circ.hxx>
 #include <gp_Trsf.hxx>
 
 #include <cmath>
@@ -152,6 +154,26 @@ TEST(ExactOffset, ConeGetsACapAndKeepsItsApexInside) {
   const double inner = r * h / (r + slant);
   const double scale = (inner - d) / inner;
   expectVolume(test::cone(r, h), -d, scale * scale * scale * kPi * r * r * h / 3);
+}
+
+TEST(ExactOffset, KnifeEdgesGetHalfPipesAndTheirEnds) {
+  // A square bar less a cylinder that touches two of its sides where they end.
+  const double side = 2;
+  const double height = 3;
+  const double d = 0.5;
+  BRepBuilderAPI_MakeWire outline;
+  const gp_Circ circle(gp_Ax2(gp_Pnt(0, side, 0), gp::DZ()), side);
+  outline.Add(BRepBuilderAPI_MakeEdge(gp_Pnt(0, 0, 0), gp_Pnt(side, 0, 0)).Edge());
+  outline.Add(BRepBuilderAPI_MakeEdge(gp_Pnt(side, 0, 0), gp_Pnt(side, side, 0)).Edge());
+  outline.Add(BRepBuilderAPI_MakeEdge(circle, gp_Pnt(0, 0, 0), gp_Pnt(side, side, 0)).Edge());
+  const TopoDS_Shape bar =
+      BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(outline.Wire()).Face(), gp_Vec(0, 0, height))
+          .Shape();
+  const double area = (1 - kPi / 4) * side * side;
+  const double perimeter = (2 + kPi / 2) * side;
+  expectVolume(bar, d,
+               height * (area + perimeter * d + kPi * d * d) +
+                   2 * (area * d + perimeter * kPi * d * d / 4 + 2 * kPi / 3 * d * d * d));
 }
 
 TEST(ExactOffset, FilletedBoxShrinksThroughItsFillets) {

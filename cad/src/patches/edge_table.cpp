@@ -1,11 +1,15 @@
 // Convexity is sampled: the angle between the two outward normals, signed by the edge's direction
 // in the first face, (n1 x n2).t > 0 for a convex edge. An edge may change from convex to concave;
-// it gets a pipe when it is convex anywhere.
+// it gets a pipe when it is convex anywhere. Where the normals are opposite to each other the faces
+// themselves tell, a little beside the edge, as for a wall that tapers to nothing.
 #include "patches/edge_table.h"
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRep_Tool.hxx>
+#include <GCPnts_AbscissaPoint.hxx>
 #include <Geom2d_Curve.hxx>
+#include <Precision.hxx>
+#include <ShapeAnalysis_Surface.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedDataMapOfShapeListOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
@@ -19,6 +23,9 @@ namespace phront::cad {
 namespace {
 
 constexpr int kEdgeSamples = 9;
+constexpr double kKnife = 1e-6;   // rad, from half a turn: the sign of the angle is round-off
+constexpr double kTilt = 1e-9;    // rad
+constexpr double kBeside = 0.02;  // of the edge's length
 
 /// The edge as the face uses it, with its orientation there; null when it is not the face's.
 TopoDS_Edge useInFace(const TopoDS_Edge& edge, const TopoDS_Face& face) {
@@ -36,6 +43,19 @@ std::optional<gp_Vec> normalAlong(const TopoDS_Edge& use, const TopoDS_Face& fac
   return outwardNormal(face, curve->Value(first + share * (last - first)));
 }
 
+/// Where the faces of a knife's edge go the same way from it, is the material between them?
+/// `step` leads from a point of the edge along both, `n1` is the first one's outward normal.
+bool isBetween(const gp_Pnt& point, const gp_Vec& step, const gp_Vec& n1, const TopoDS_Face& face1,
+               const TopoDS_Face& face2) {
+  const gp_Pnt beside = point.Translated(step);
+  const auto onFace = [&](const TopoDS_Face& face) {
+    ShapeAnalysis_Surface surface(BRep_Tool::Surface(face));
+    const gp_Pnt2d uv = surface.ValueOfUV(beside, Precision::Confusion());
+    return surface.Value(uv);
+  };
+  return gp_Vec(onFace(face1), onFace(face2)).Dot(n1) < 0;
+}
+
 void sampleEdge(EdgeInfo& info, const TopoDS_Face& face1, const TopoDS_Face& face2, double side) {
   const TopoDS_Edge use1 = useInFace(info.edge, face1);
   const TopoDS_Edge use2 = useInFace(info.edge, face2);
@@ -48,9 +68,16 @@ void sampleEdge(EdgeInfo& info, const TopoDS_Face& face1, const TopoDS_Face& fac
     s.t = curve.FirstParameter() + share * (curve.LastParameter() - curve.FirstParameter());
     curve.D1(s.t, s.point, s.tangent);
     const std::optional<gp_Vec> n1 = normalAlong(use1, face1, share);
-    const std::optional<gp_Vec> n2 = normalAlong(use2, face2, share);
+    std::optional<gp_Vec> n2 = normalAlong(use2, face2, share);
     if (!n1 || !n2 || s.tangent.Magnitude() < 1e-12) continue;
     s.tangent.Normalize();
+    if (n1->Angle(*n2) > M_PI - kKnife) {
+      const gp_Vec inward = direction * n1->Crossed(s.tangent);
+      const bool convex = isBetween(s.point, kBeside * GCPnts_AbscissaPoint::Length(curve) * inward,
+                                    *n1, face1, face2);
+      // So that all agree on the half that the pipe turns through.
+      *n2 += kTilt * (convex ? -inward : inward);
+    }
     // Both the normals and the sense of "convex" turn with the side.
     s.angle = side * std::atan2(direction * n1->Crossed(*n2).Dot(s.tangent), n1->Dot(*n2));
     s.n1 = *n1 * side;
