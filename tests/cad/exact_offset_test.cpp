@@ -37,7 +37,7 @@
 #include "patches/raw_complex.h"
 #include "phront/cad/exchange.h"
 #include "phront/cad/offset_shape.h"
-#include "rebuild/assemble.h"
+#include "rebuild/cells.h"
 #include "rebuild/select.h"
 #include "solids.h"
 

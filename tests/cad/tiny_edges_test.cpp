@@ -10,7 +10,6 @@
 #include <TopoDS_Vertex.hxx>
 
 #include "exchange/measures.h"
-#include "rebuild/assemble.h"
 #include "rebuild/cells.h"
 #include "rebuild/fuse.h"
 #include "solids.h"

@@ -248,24 +248,6 @@ class Assembler {
 
 }  // namespace
 
-int countOpenEdges(const TopoDS_Shape& shape) {
-  int open = 0;
-  for (const TopoDS_Shape& shell : partsOf(shape, TopAbs_SHELL)) {
-    TopTools_DataMapOfShapeInteger uses;
-    TopTools_IndexedMapOfShape edges;
-    for (TopExp_Explorer it(shell, TopAbs_EDGE); it.More(); it.Next()) {
-      if (BRep_Tool::Degenerated(TopoDS::Edge(it.Current()))) continue;
-      edges.Add(it.Current());
-      if (uses.IsBound(it.Current()))
-        ++uses.ChangeFind(it.Current());
-      else
-        uses.Bind(it.Current(), 1);
-    }
-    for (int i = 1; i <= edges.Extent(); ++i) open += uses.Find(edges(i)) == 2 ? 0 : 1;
-  }
-  return open;
-}
-
 Assembly assembleSolids(const std::vector<JudgedFace>& faces, const AssembleOptions& options,
                         const TrueDistance& phi) {
   Assembler assembler(faces, options, phi);

@@ -21,12 +21,13 @@ struct Assembly {
   int openEdges = 0;     ///< edges not used exactly twice in their shell
   int fittedFaces = 0;   ///< patches that close gaps
   int facetedFaces = 0;  ///< planar triangles that do
-  std::string way;  ///< "pieces", "sewn pieces", "patched pieces", "cells", "pieces and facets"
+  std::string way;  ///< "sharp pieces", "pieces", "sewn pieces", "patched pieces", "cells", ...
 };
 
-/// Solids bounded by the live pieces; tried in turn: the pieces as they are, sewn, with fitted
-/// patches in their gaps, and the cells that all pieces (dead ones too) divide space into. The
-/// first that closes wins, else the one with the fewest open edges.
+/// Solids bounded by the live pieces; tried in turn: without pieces narrower than their edges are
+/// known, as they are, sewn, with fitted patches in their gaps, and the cells that all pieces (dead
+/// ones too) divide space into. The first that closes wins, else the one with the fewest open
+/// edges.
 [[nodiscard]] Assembly assembleSolids(const std::vector<JudgedFace>& faces,
                                       const AssembleOptions& options, const TrueDistance& phi);
 
@@ -38,8 +39,5 @@ struct Assembly {
 /// Live pieces sewn, facing along (d > 0) the normals of the input.
 [[nodiscard]] Assembly assembleSheet(const std::vector<JudgedFace>& faces,
                                      const AssembleOptions& options, const TrueDistance& phi);
-
-/// Edges (degenerated ones aside) that their shell does not use exactly twice.
-[[nodiscard]] int countOpenEdges(const TopoDS_Shape& shape);
 
 }  // namespace phront::cad

@@ -3,8 +3,10 @@
 #include "rebuild/cells.h"
 
 #include <BOPAlgo_MakerVolume.hxx>
+#include <BRep_Tool.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
+#include <TopTools_DataMapOfShapeInteger.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
@@ -62,6 +64,24 @@ std::vector<TopoDS_Face> skinOf(const std::vector<TopoDS_Shape>& cells) {
   for (std::size_t f = 0; f < uses.size(); ++f)
     if (uses[f] == 1) skin.push_back(asUsed[f]);
   return skin;
+}
+
+int countOpenEdges(const TopoDS_Shape& shape) {
+  int open = 0;
+  for (const TopoDS_Shape& shell : partsOf(shape, TopAbs_SHELL)) {
+    TopTools_DataMapOfShapeInteger uses;
+    TopTools_IndexedMapOfShape edges;
+    for (TopExp_Explorer it(shell, TopAbs_EDGE); it.More(); it.Next()) {
+      if (BRep_Tool::Degenerated(TopoDS::Edge(it.Current()))) continue;
+      edges.Add(it.Current());
+      if (uses.IsBound(it.Current()))
+        ++uses.ChangeFind(it.Current());
+      else
+        uses.Bind(it.Current(), 1);
+    }
+    for (int i = 1; i <= edges.Extent(); ++i) open += uses.Find(edges(i)) == 2 ? 0 : 1;
+  }
+  return open;
 }
 
 }  // namespace phront::cad

@@ -21,4 +21,7 @@ namespace phront::cad {
 /// What bounds the cells together: faces that bound exactly one of them, as that cell has them.
 [[nodiscard]] std::vector<TopoDS_Face> skinOf(const std::vector<TopoDS_Shape>& cells);
 
+/// Edges (degenerated ones aside) that their shell does not use exactly twice.
+[[nodiscard]] int countOpenEdges(const TopoDS_Shape& shape);
+
 }  // namespace phront::cad

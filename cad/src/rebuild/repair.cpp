@@ -14,6 +14,7 @@
 #include "judge/read_back.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
+#include "rebuild/cells.h"
 #include "rebuild/front_cuts.h"
 #include "rebuild/fuse.h"
 

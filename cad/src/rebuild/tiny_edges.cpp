@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "rebuild/assemble.h"
+#include "patches/patch_tools.h"
 #include "rebuild/cells.h"
 
 namespace phront::cad {
@@ -57,13 +57,19 @@ class Collapse {
     BRepTools_ReShape change;
     for (const TopoDS_Shape& edge : partsOf(shape_, TopAbs_EDGE))
       if (tiny_.Contains(edge)) change.Remove(edge);
+    TopTools_DataMapOfShapeShape merged;  // by root; the shape's own vertices stay as they are
     for (const TopoDS_Shape& vertex : partsOf(shape_, TopAbs_VERTEX)) {
       const TopoDS_Vertex forward = TopoDS::Vertex(vertex.Oriented(TopAbs_FORWARD));
       const TopoDS_Vertex root = rootOf(forward);
       if (root.IsSame(forward)) continue;
-      const double apart = BRep_Tool::Pnt(root).Distance(BRep_Tool::Pnt(forward));
-      BRep_Builder().UpdateVertex(root, apart + BRep_Tool::Tolerance(forward));
-      change.Replace(forward, root);
+      const gp_Pnt place = BRep_Tool::Pnt(root);
+      if (!merged.IsBound(root)) {
+        merged.Bind(root, makeVertex(place, BRep_Tool::Tolerance(root)));
+        change.Replace(root, merged.Find(root));
+      }
+      const double reach = place.Distance(BRep_Tool::Pnt(forward)) + BRep_Tool::Tolerance(forward);
+      BRep_Builder().UpdateVertex(TopoDS::Vertex(merged.Find(root)), reach);
+      change.Replace(forward, merged.Find(root));
     }
     for (const TopoDS_Shape& wire : partsOf(shape_, TopAbs_WIRE))
       if (isTiny(wire)) change.Remove(wire);
