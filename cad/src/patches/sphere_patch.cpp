@@ -44,6 +44,7 @@ struct Ray {
   int face2 = -1;
   double angle = 0;  ///< rad, > 0 where convex
   int edge = -1;
+  gp_Vec axis;  ///< about which n1 turns to n2
 };
 
 /// One side of a patch: a great-circle arc, or the edge given.
@@ -73,7 +74,7 @@ std::vector<Ray> raysAt(const EdgeTable& table, const std::vector<int>& edges, i
       if (table.vertexIndex.FindIndex(end) - 1 != vertex) continue;
       const EdgeSample& s = atFirst ? info.samples.front() : info.samples.back();
       rays.push_back({atFirst ? s.tangent : s.tangent.Reversed(), info.smooth, info.pipe, s.n1,
-                      s.n2, info.face1, info.face2, s.angle, e});
+                      s.n2, info.face1, info.face2, s.angle, e, s.axis()});
     }
   }
   return rays;
@@ -141,9 +142,7 @@ TopoDS_Edge halfCircle(const Ray& ray, const Side& side, const gp_Pnt& centre, d
   const gp_Vec from(centre, BRep_Tool::Pnt(side.from));
   const gp_Vec to(centre, BRep_Tool::Pnt(side.to));
   if (from.Angle(to) < M_PI - kHalfTurn) return {};
-  const double turn = std::atan2(ray.n1.Crossed(ray.n2).Dot(ray.direction), ray.n1.Dot(ray.n2));
-  return arcs.arc(centre, turn > 0 ? ray.direction : ray.direction.Reversed(), radius, side.from,
-                  side.to);
+  return arcs.arc(centre, ray.axis, radius, side.from, side.to);
 }
 
 /// The loop that the pipe ends of a convex vertex make, with what poles there have opened into;

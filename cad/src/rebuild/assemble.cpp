@@ -188,12 +188,10 @@ class Assembler {
     const double tolerance = kPatchTolerance * std::abs(options_.distance);
     const FilledGaps gaps = fillGaps(faces, {options_.distance, tolerance}, phi_);
     if ((gaps.patches.empty() && gaps.sewing == 0) || gaps.unfilled > 0) return {};
-    BRepBuilderAPI_Sewing sewing(
-        std::max({options_.sewTolerance, kPatchSewing * tolerance, gaps.sewing}));
-    for (const TopoDS_Face& face : faces) sewing.Add(face);
-    for (const TopoDS_Face& patch : gaps.patches) sewing.Add(patch);
-    sewing.Perform();
-    Assembly result = finish(cellsOf(partsOf(sewing.SewedShape(), TopAbs_FACE)), "patched pieces");
+    std::vector<TopoDS_Shape> all(faces.begin(), faces.end());
+    all.insert(all.end(), gaps.patches.begin(), gaps.patches.end());
+    const double sewing = std::max({options_.sewTolerance, kPatchSewing * tolerance, gaps.sewing});
+    Assembly result = finish(cellsOf(sewn(all, sewing)), "patched pieces");
     result.fittedFaces = static_cast<int>(gaps.patches.size());
     return result;
   }

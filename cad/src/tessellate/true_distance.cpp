@@ -32,7 +32,7 @@ constexpr double kReachFactor = 2;   // of a face's deflection: measured on a sa
 constexpr double kRoundOff = 1e-11;  // of the diagonal: distances closer than this are equal
 constexpr double kResidual = 1e-10;  // of the diagonal: tangential residual of Newton
 constexpr double kRingShare = 0.25;  // a foot this far outside a triangle is still in its ring
-constexpr double kWorth = 0.1;       // of a face's deflection: a foot so much farther is doubted
+constexpr double kDoubt = 0.1;       // of a face's deflection: a foot so much farther is doubted
 constexpr int kLineSamples = 24;     // on a parameter line across a triangle
 constexpr double kNudge = 1e-7;      // of the way to the triangle's middle, off singular points
 
@@ -259,14 +259,14 @@ Candidate TrueDistance::Impl::meshCandidate(const FootPoint& foot) const {
 }
 
 // Where a face turns back or collapses, the parameters of a point of a triangle may be those of
-// another sheet: when the foot is farther than the triangle can be off, it is sought from the
-// nearest point on the parameter lines through the first guess, too.
+// another sheet: when the foot is farther than the triangle, and not by a little, it is sought from
+// the nearest point on the parameter lines through the first guess, too.
 SurfaceFoot TrueDistance::Impl::footFrom(const Vec3& x, const FootPoint& foot,
                                          const Candidate& start) const {
   const FaceSurface& face = faces[at(start.face)]->surface();
   const SurfaceFoot first = face.foot(x, kResidual * diagonal, start.uv);
   const double distance = (first.point - x).norm();
-  if (distance <= start.distance + kWorth * slack[at(start.face)]) return first;
+  if (distance <= start.distance + kDoubt * slack[at(start.face)]) return first;
   const auto& corners = tessellation.uv[at(foot.triangle)];
   Eigen::Vector2d nearest = start.uv;
   double least = std::numeric_limits<double>::infinity();
