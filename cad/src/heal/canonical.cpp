@@ -59,15 +59,14 @@ constexpr int kCurvePoints = 33;
 // Relative change of a face's area that a new surface may make.
 constexpr double kAreaChange = 1e-4;
 constexpr int kRounds = 4;
+// Cones nearer than this (rad) to a cylinder or a plane are one or the other by all that can be
+// measured on a part. Their apex is far outside or their rulings have no direction, and the
+// intersection of two such is lost in round-off (seen: a half-angle of 1e-4, the apex 190 km away).
+constexpr double kLeastConicAngle = 1e-3;
 
 using CurveOnFace = Handle(Geom2d_Curve);
 
 Vec3 toVec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
-
-bool isElementary(GeomAbs_SurfaceType type) {
-  return type == GeomAbs_Plane || type == GeomAbs_Cylinder || type == GeomAbs_Cone ||
-         type == GeomAbs_Sphere || type == GeomAbs_Torus;
-}
 
 /// By adaptive integration: the plain one is off by a thousandth on rational B-splines.
 double accurateAreaOf(const TopoDS_Face& face) {
@@ -275,7 +274,7 @@ class Recogniser {
   void fit(int f) {
     const TopoDS_Face face = TopoDS::Face(faces_(f));
     const BRepAdaptor_Surface surface(face, Standard_False);
-    if (isElementary(surface.GetType())) {
+    if (isElementary(surface)) {
       elementary_.insert(f);
       return;
     }
@@ -498,6 +497,20 @@ class Recogniser {
 };
 
 }  // namespace
+
+bool isElementary(const BRepAdaptor_Surface& surface) {
+  switch (surface.GetType()) {
+    case GeomAbs_Plane:
+    case GeomAbs_Cylinder:
+    case GeomAbs_Sphere:
+    case GeomAbs_Torus:
+      return true;
+    case GeomAbs_Cone:
+      return std::abs(std::remainder(surface.Cone().SemiAngle(), M_PI / 2)) > kLeastConicAngle;
+    default:
+      return false;
+  }
+}
 
 CanonicalShape recogniseSurfaces(const TopoDS_Shape& shape, double tolerance) {
   return Recogniser(shape, tolerance).run();

@@ -1,10 +1,16 @@
 // Planes, cylinders, cones, spheres and tori that are stored as freeform surfaces become what they
-// are; so do lines and circles between them.
+// are, and so do planes and cylinders that are stored as cones; lines and circles between them,
+// too.
 #pragma once
 
+#include <BRepAdaptor_Surface.hxx>
 #include <TopoDS_Shape.hxx>
 
 namespace phront::cad {
+
+/// A plane, cylinder, sphere, torus, or a cone that is neither almost a plane nor almost a
+/// cylinder.
+[[nodiscard]] bool isElementary(const BRepAdaptor_Surface& surface);
 
 struct CanonicalShape {
   TopoDS_Shape shape;    ///< the input itself when nothing was recognised

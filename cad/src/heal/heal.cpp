@@ -48,7 +48,7 @@ int freeformFaces(const TopoDS_Shape& shape) {
   int count = 0;
   for (int i = 1; i <= faces.Extent(); ++i) {
     const BRepAdaptor_Surface surface(TopoDS::Face(faces(i)), Standard_False);
-    if (surface.GetType() > GeomAbs_Torus) ++count;
+    if (!isElementary(surface)) ++count;
   }
   return count;
 }

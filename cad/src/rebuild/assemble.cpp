@@ -29,6 +29,7 @@
 #include "rebuild/facet_gaps.h"
 #include "rebuild/fill_gaps.h"
 #include "rebuild/tiny_edges.h"
+#include "rebuild/wide_vertices.h"
 
 namespace phront::cad {
 namespace {
@@ -40,6 +41,8 @@ constexpr double kStep = 1e-3;
 constexpr double kNoWidth = 1e-6;
 /// Of |d|: edges known worse than this are not taken for the same, whatever lies between them.
 constexpr double kMostBlurred = 0.05;
+/// Of |d|: vertices known worse than this are looked at again.
+constexpr double kWideVertex = 0.01;
 /// Share of the live area that a complete result may leave out: doubles and strays.
 constexpr double kUnusedArea = 5e-3;
 /// How well a fitted patch meets its edges, of |d|, and how far it is sewn, in parts of that.
@@ -149,7 +152,8 @@ class Assembler {
     result.shape = asOne(solids);
     if (result.shape.IsNull()) return result;
     if (!BRepCheck_Analyzer(result.shape).IsValid()) repair(result);
-    result.shape = withoutTinyEdges(result.shape);
+    result.shape = withNarrowVertices(withoutTinyEdges(result.shape),
+                                      kWideVertex * std::abs(options_.distance));
     result.openEdges = countOpenEdges(result.shape);
     // Of several solids one that does not close is simply not there.
     if (areaOf(result.shape) < (1 - kUnusedArea) * liveArea_) ++result.openEdges;

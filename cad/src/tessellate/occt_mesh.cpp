@@ -4,9 +4,12 @@
 // triangulation constrained by the edges' points; the polygons on the triangulation say which nodes
 // of the face are which points of an edge. That makes neighbours conform without comparing
 // coordinates. Weak spot: faces whose wires cross themselves in (u,v) at the given deflection get
-// no triangles; they are tried again with the other Delaunay code and with a finer deflection.
+// no triangles; they are tried again with the other Delaunay code and with a finer deflection. So
+// do some plain faces by an accident of numbers (seen: a full cone at 45 degrees) that does not
+// happen to a shape a little larger.
 #include "tessellate/occt_mesh.h"
 
+#include <BRepBuilderAPI_Transform.hxx>
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
@@ -20,11 +23,16 @@
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Vertex.hxx>
+#include <array>
+#include <gp_Trsf.hxx>
 
 #include "tessellate/face_surface.h"
 
 namespace phront::cad {
 namespace {
+
+/// Small enough for parameters to stay what they are for all that they are used for.
+constexpr std::array kNudges{1 + 1e-7, 1 - 1e-7, 1 + 1e-6};
 
 Index indexIn(const TopTools_IndexedMapOfShape& map, const TopoDS_Shape& shape) {
   return shape.IsNull() ? kNone : map.FindIndex(shape) - 1;
@@ -96,6 +104,50 @@ FaceMesh readFace(const TopoDS_Face& face, const ShapeMaps& maps) {
   return result;
 }
 
+int countFailed(const ShapeMaps& maps) {
+  int count = 0;
+  for (int k = 1; k <= maps.faces.Extent(); ++k)
+    if (!hasTriangles(TopoDS::Face(maps.faces(k)))) ++count;
+  return count;
+}
+
+TopoDS_Shape nudged(const TopoDS_Shape& shape, double scale) {
+  gp_Trsf nudge;
+  nudge.SetScaleFactor(scale);
+  return BRepBuilderAPI_Transform(shape, nudge, Standard_True).Shape();
+}
+
+/// Would a face without triangles get some when nudged?
+bool helps(double scale, const ShapeMaps& maps, double deflection, double angle) {
+  for (int k = 1; k <= maps.faces.Extent(); ++k) {
+    if (hasTriangles(TopoDS::Face(maps.faces(k)))) continue;
+    const TopoDS_Face copy = TopoDS::Face(nudged(maps.faces(k), scale));
+    mesh(copy, deflection, angle, IMeshTools_MeshAlgoType_Watson);
+    if (hasTriangles(copy)) return true;
+  }
+  return false;
+}
+
+void tryAgain(const ShapeMaps& maps, double deflection, double angle) {
+  for (const double factor : {1.0, 0.25, 4.0}) {
+    for (int k = 1; k <= maps.faces.Extent(); ++k) {
+      if (hasTriangles(TopoDS::Face(maps.faces(k)))) continue;
+      mesh(maps.faces(k), factor * deflection, angle, IMeshTools_MeshAlgoType_Delabella);
+    }
+  }
+}
+
+ShapeMesh readMesh(const TopoDS_Shape& shape, const ShapeMaps& maps) {
+  ShapeMesh result;
+  for (TopExp_Explorer e(shape, TopAbs_FACE); e.More(); e.Next()) {
+    const TopoDS_Face face = TopoDS::Face(e.Current());
+    if (face.Orientation() != TopAbs_FORWARD && face.Orientation() != TopAbs_REVERSED) continue;
+    result.faces.push_back(readFace(face, maps));
+    if (result.faces.back().triangles.empty()) result.failed.push_back(result.faces.back().face);
+  }
+  return result;
+}
+
 }  // namespace
 
 ShapeMaps::ShapeMaps(const TopoDS_Shape& shape) {
@@ -108,20 +160,22 @@ ShapeMesh meshShape(const TopoDS_Shape& shape, const ShapeMaps& maps, double def
                     double angle) {
   BRepTools::Clean(shape);
   mesh(shape, deflection, angle, IMeshTools_MeshAlgoType_Watson);
-  for (const double factor : {1.0, 0.25, 4.0}) {
-    for (int k = 1; k <= maps.faces.Extent(); ++k) {
-      if (hasTriangles(TopoDS::Face(maps.faces(k)))) continue;
-      mesh(maps.faces(k), factor * deflection, angle, IMeshTools_MeshAlgoType_Delabella);
-    }
+  const int failed = countFailed(maps);
+  if (failed == 0) return readMesh(shape, maps);
+  for (const double scale : kNudges) {
+    if (!helps(scale, maps, deflection, angle)) continue;
+    const TopoDS_Shape copy = nudged(shape, scale);
+    const ShapeMaps copyMaps(copy);
+    mesh(copy, deflection, angle, IMeshTools_MeshAlgoType_Watson);
+    if (countFailed(copyMaps) >= failed) continue;
+    tryAgain(copyMaps, deflection, angle);
+    ShapeMesh result = readMesh(copy, copyMaps);
+    for (FaceMesh& face : result.faces)
+      for (Vec3& node : face.nodes) node /= scale;
+    return result;
   }
-  ShapeMesh result;
-  for (TopExp_Explorer e(shape, TopAbs_FACE); e.More(); e.Next()) {
-    const TopoDS_Face face = TopoDS::Face(e.Current());
-    if (face.Orientation() != TopAbs_FORWARD && face.Orientation() != TopAbs_REVERSED) continue;
-    result.faces.push_back(readFace(face, maps));
-    if (result.faces.back().triangles.empty()) result.failed.push_back(result.faces.back().face);
-  }
-  return result;
+  tryAgain(maps, deflection, angle);
+  return readMesh(shape, maps);
 }
 
 void meshOutlines(const TopoDS_Shape& shape, double deflection, double angle) {

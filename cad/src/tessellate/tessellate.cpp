@@ -3,9 +3,12 @@
 // runs in a guarded child process; the shape of the caller is never touched.
 //
 // Weak spots: a face whose triangulation fails is replaced by the minimal-area patch over its
-// border (counted, and visible in the measured deflection); gaps between edges and surfaces of a
-// loose B-Rep stay in the mesh, hence the deflection is measured.
+// border (counted, refused where it is another shape, else visible in the measured deflection);
+// gaps between edges and surfaces of a loose B-Rep stay in the mesh, hence the deflection is
+// measured.
 #include "phront/cad/tessellate.h"
+
+#include <fmt/format.h>
 
 #include <BRep_Tool.hxx>
 #include <Geom2d_Curve.hxx>
@@ -30,6 +33,7 @@ constexpr double kCoarser = 8;  // of the deflection, each time a try takes too 
 constexpr double kDefaultSmoothAngle = 1e-3;   // rad, when no distance is given
 constexpr double kPlaneTolerance = 1e-7;       // of the diagonal
 constexpr double kLeastDeflection = 2e-7;      // mm; OpenCASCADE refuses 1e-7 and less
+constexpr double kWidestFilling = 0.01;        // of the diagonal: farther off it is another shape
 constexpr std::size_t kMeasured = 20000;       // triangles measured on the whole body, and
 constexpr std::size_t kMeasuredPerFace = 100;  // at least so many on each face
 
@@ -212,6 +216,14 @@ Result<Tessellation> tessellateHere(const TopoDS_Shape& shape, bool solid,
   fillMesh(soup, features, result);
   measureLengths(mesh, result.features);
   measureDeflection(soup, index, 1e-3 * deflection, result);
+  for (const Index f : mesh.failed) {
+    const FaceFeature& face = result.features.faces[at(f)];
+    if (face.deflection > kWidestFilling * diagonal)
+      return fail(ErrorCode::Failed,
+                  fmt::format("Face F{} ({:.3g} mm2) cannot be tessellated, and what closes the "
+                              "hole it leaves is {:.3g} mm off its surface.",
+                              f + 1, face.area, face.deflection));
+  }
   return result;
 }
 
@@ -231,14 +243,15 @@ Result<Tessellation> tessellate(const Body& body, const TessellateOptions& optio
   }
   Result<std::string> bytes = fail(ErrorCode::Failed, "not tried");
   for (const double factor : {1.0, kCoarser, kCoarser * kCoarser}) {
-    bytes = runInChild("tessellating", {options.timeLimit, kMemoryLimit}, [&]() -> Result<std::string> {
-      return guardOcct("tessellating", [&]() -> Result<std::string> {
-        const auto here = tessellateHere(occtShape(body.shape), body.kind == BodyKind::Solid,
-                                         options, factor * options.deflection);
-        if (!here) return tl::unexpected(here.error());
-        return bytesOfTessellation(*here);
-      });
-    });
+    bytes =
+        runInChild("tessellating", {options.timeLimit, kMemoryLimit}, [&]() -> Result<std::string> {
+          return guardOcct("tessellating", [&]() -> Result<std::string> {
+            const auto here = tessellateHere(occtShape(body.shape), body.kind == BodyKind::Solid,
+                                             options, factor * options.deflection);
+            if (!here) return tl::unexpected(here.error());
+            return bytesOfTessellation(*here);
+          });
+        });
     if (bytes) break;
   }
   if (!bytes) return tl::unexpected(bytes.error());
