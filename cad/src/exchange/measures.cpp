@@ -12,6 +12,13 @@ double areaOf(const TopoDS_Shape& shape) {
   return std::abs(properties.Mass());
 }
 
+double accurateAreaOf(const TopoDS_Shape& shape) {
+  constexpr double kAccuracy = 1e-5;
+  GProp_GProps properties;
+  BRepGProp::SurfaceProperties(shape, properties, kAccuracy);
+  return std::abs(properties.Mass());
+}
+
 double volumeOf(const TopoDS_Shape& shape) {
   GProp_GProps properties;
   BRepGProp::VolumeProperties(shape, properties);

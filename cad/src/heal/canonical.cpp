@@ -16,13 +16,11 @@
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepBuilderAPI_Copy.hxx>
 #include <BRepCheck_Analyzer.hxx>
-#include <BRepGProp.hxx>
 #include <BRepTools.hxx>
 #include <BRepTopAdaptor_FClass2d.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <ElSLib.hxx>
-#include <GProp_GProps.hxx>
 #include <Geom_Circle.hxx>
 #include <Geom_Line.hxx>
 #include <Precision.hxx>
@@ -43,6 +41,7 @@
 #include <set>
 #include <vector>
 
+#include "exchange/measures.h"
 #include "exchange/tolerances.h"
 #include "heal/elementary_fit.h"
 #include "patches/patch_tools.h"
@@ -67,14 +66,6 @@ constexpr double kLeastConicAngle = 1e-3;
 using CurveOnFace = Handle(Geom2d_Curve);
 
 Vec3 toVec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
-
-/// By adaptive integration: the plain one is off by a thousandth on rational B-splines.
-double accurateAreaOf(const TopoDS_Face& face) {
-  constexpr double kAccuracy = 1e-5;
-  GProp_GProps properties;
-  BRepGProp::SurfaceProperties(face, properties, kAccuracy);
-  return properties.Mass();
-}
 
 bool hasPole(const TopoDS_Face& face) {
   for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {

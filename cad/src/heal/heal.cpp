@@ -59,6 +59,8 @@ int facesOf(const TopoDS_Shape& shape) {
   return faces.Extent();
 }
 
+bool isSame(double area, double other) { return std::abs(other - area) <= kAreaChange * area; }
+
 /// Takes the step's result when it changed something and kept the area.
 template <class Step>
 void apply(HealedShape& healed, const std::string& name, Step&& step) {
@@ -72,8 +74,8 @@ void apply(HealedShape& healed, const std::string& name, Step&& step) {
       fix.Perform();
       after = fix.Shape();
     }
-    const double area = areaOf(before);
-    if (std::abs(areaOf(after) - area) > kAreaChange * area) {
+    if (!isSame(areaOf(before), areaOf(after)) &&
+        !isSame(accurateAreaOf(before), accurateAreaOf(after))) {
       healed.notes.push_back(name + " changed the shape and was left out");
       return;
     }

@@ -250,7 +250,11 @@ class SectionCurve {
       points.push_back(i == 0 ? surface.ValueOfUV(p, Precision::Confusion())
                               : surface.NextValueOfUV(points.back(), p, Precision::Confusion()));
     }
-    return pcurveThrough(points, parameters);
+    try {
+      return pcurveThrough(points, parameters);
+    } catch (const Standard_Failure&) {  // all but a point
+      return straightPcurve(points.front(), points.back(), first, last);
+    }
   }
 
   BOPDS_Curve& section_;

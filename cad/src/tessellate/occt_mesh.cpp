@@ -4,9 +4,9 @@
 // triangulation constrained by the edges' points; the polygons on the triangulation say which nodes
 // of the face are which points of an edge. That makes neighbours conform without comparing
 // coordinates. Weak spot: faces whose wires cross themselves in (u,v) at the given deflection get
-// no triangles; they are tried again with the other Delaunay code and with a finer deflection. So
-// do some plain faces by an accident of numbers (seen: a full cone at 45 degrees) that does not
-// happen to a shape a little larger.
+// no triangles; they are tried again with the other Delaunay code, then all faces with a finer
+// deflection, so that neighbours still conform. Some plain faces fail, too, by an accident of
+// numbers (seen: a full cone at 45 degrees) that does not happen to a shape a little larger.
 #include "tessellate/occt_mesh.h"
 
 #include <BRepBuilderAPI_Transform.hxx>
@@ -30,9 +30,6 @@
 
 namespace phront::cad {
 namespace {
-
-/// Small enough for parameters to stay what they are for all that they are used for.
-constexpr std::array kNudges{1 + 1e-7, 1 - 1e-7, 1 + 1e-6};
 
 Index indexIn(const TopTools_IndexedMapOfShape& map, const TopoDS_Shape& shape) {
   return shape.IsNull() ? kNone : map.FindIndex(shape) - 1;
@@ -111,29 +108,39 @@ int countFailed(const ShapeMaps& maps) {
   return count;
 }
 
-TopoDS_Shape nudged(const TopoDS_Shape& shape, double scale) {
-  gp_Trsf nudge;
-  nudge.SetScaleFactor(scale);
-  return BRepBuilderAPI_Transform(shape, nudge, Standard_True).Shape();
+/// Another way to mesh all: a shape a little larger, or shorter sides.
+struct Change {
+  double scale = 1;
+  double fineness = 1;
+};
+
+constexpr double kFiner = 4;
+/// Scales that leave parameters what they are for all that they are used for.
+constexpr std::array kChanges{Change{1 + 1e-7, 1}, Change{1 - 1e-7, 1}, Change{1 + 1e-6, 1},
+                              Change{1, kFiner}};
+
+TopoDS_Shape scaled(const TopoDS_Shape& shape, double scale) {
+  gp_Trsf transformation;
+  transformation.SetScaleFactor(scale);
+  return BRepBuilderAPI_Transform(shape, transformation, Standard_True).Shape();
 }
 
-/// Would a face without triangles get some when nudged?
-bool helps(double scale, const ShapeMaps& maps, double deflection, double angle) {
+/// Would a face without triangles get some?
+bool helps(const Change& change, const ShapeMaps& maps, double deflection, double angle) {
   for (int k = 1; k <= maps.faces.Extent(); ++k) {
     if (hasTriangles(TopoDS::Face(maps.faces(k)))) continue;
-    const TopoDS_Face copy = TopoDS::Face(nudged(maps.faces(k), scale));
-    mesh(copy, deflection, angle, IMeshTools_MeshAlgoType_Watson);
+    const TopoDS_Face copy = TopoDS::Face(scaled(maps.faces(k), change.scale));
+    mesh(copy, deflection / change.fineness, angle, IMeshTools_MeshAlgoType_Watson);
     if (hasTriangles(copy)) return true;
   }
   return false;
 }
 
+/// Faces without triangles alone, with the points that their edges have by now.
 void tryAgain(const ShapeMaps& maps, double deflection, double angle) {
-  for (const double factor : {1.0, 0.25, 4.0}) {
-    for (int k = 1; k <= maps.faces.Extent(); ++k) {
-      if (hasTriangles(TopoDS::Face(maps.faces(k)))) continue;
-      mesh(maps.faces(k), factor * deflection, angle, IMeshTools_MeshAlgoType_Delabella);
-    }
+  for (int k = 1; k <= maps.faces.Extent(); ++k) {
+    if (hasTriangles(TopoDS::Face(maps.faces(k)))) continue;
+    mesh(maps.faces(k), deflection, angle, IMeshTools_MeshAlgoType_Delabella);
   }
 }
 
@@ -160,21 +167,22 @@ ShapeMesh meshShape(const TopoDS_Shape& shape, const ShapeMaps& maps, double def
                     double angle) {
   BRepTools::Clean(shape);
   mesh(shape, deflection, angle, IMeshTools_MeshAlgoType_Watson);
+  tryAgain(maps, deflection, angle);
   const int failed = countFailed(maps);
   if (failed == 0) return readMesh(shape, maps);
-  for (const double scale : kNudges) {
-    if (!helps(scale, maps, deflection, angle)) continue;
-    const TopoDS_Shape copy = nudged(shape, scale);
+  for (const Change& change : kChanges) {
+    if (!helps(change, maps, deflection, angle)) continue;
+    const TopoDS_Shape copy = scaled(shape, change.scale);
     const ShapeMaps copyMaps(copy);
-    mesh(copy, deflection, angle, IMeshTools_MeshAlgoType_Watson);
+    mesh(copy, deflection / change.fineness, angle, IMeshTools_MeshAlgoType_Watson);
+    tryAgain(copyMaps, deflection / change.fineness, angle);
     if (countFailed(copyMaps) >= failed) continue;
-    tryAgain(copyMaps, deflection, angle);
     ShapeMesh result = readMesh(copy, copyMaps);
     for (FaceMesh& face : result.faces)
-      for (Vec3& node : face.nodes) node /= scale;
+      for (Vec3& node : face.nodes) node /= change.scale;
     return result;
   }
-  tryAgain(maps, deflection, angle);
+  for (const double coarser : {1.0 / kFiner, kFiner}) tryAgain(maps, coarser * deflection, angle);
   return readMesh(shape, maps);
 }
 

@@ -33,6 +33,8 @@ constexpr double kCoarser = 8;  // of the deflection, each time a try takes too 
 constexpr double kDefaultSmoothAngle = 1e-3;   // rad, when no distance is given
 constexpr double kPlaneTolerance = 1e-7;       // of the diagonal
 constexpr double kLeastDeflection = 2e-7;      // mm; OpenCASCADE refuses 1e-7 and less
+constexpr double kOffFilling = 10;             // times the deflection: fillings worth finer sides,
+constexpr double kFiner = 4;                   // by so much
 constexpr double kWidestFilling = 0.01;        // of the diagonal: farther off it is another shape
 constexpr std::size_t kMeasured = 20000;       // triangles measured on the whole body, and
 constexpr std::size_t kMeasuredPerFace = 100;  // at least so many on each face
@@ -216,15 +218,33 @@ Result<Tessellation> tessellateHere(const TopoDS_Shape& shape, bool solid,
   fillMesh(soup, features, result);
   measureLengths(mesh, result.features);
   measureDeflection(soup, index, 1e-3 * deflection, result);
-  for (const Index f : mesh.failed) {
-    const FaceFeature& face = result.features.faces[at(f)];
-    if (face.deflection > kWidestFilling * diagonal)
-      return fail(ErrorCode::Failed,
-                  fmt::format("Face F{} ({:.3g} mm2) cannot be tessellated, and what closes the "
-                              "hole it leaves is {:.3g} mm off its surface.",
-                              f + 1, face.area, face.deflection));
-  }
   return result;
+}
+
+/// A mesher that loses part of a thin face leaves holes whose filling is far off; finer sides help.
+Result<Tessellation> tessellateSoundly(const TopoDS_Shape& shape, bool solid,
+                                       const TessellateOptions& options, double deflection) {
+  Result<Tessellation> best = tessellateHere(shape, solid, options, deflection);
+  const auto isOff = [&] {
+    return best && best->filledHoles > 0 && best->measuredDeflection > kOffFilling * deflection;
+  };
+  for (const double finer : {kFiner, kFiner * kFiner}) {
+    if (!isOff()) return best;
+    Result<Tessellation> again = tessellateHere(shape, solid, options, deflection / finer);
+    if (again && again->measuredDeflection < best->measuredDeflection) best = std::move(again);
+  }
+  if (!isOff()) return best;
+  Box3 box;
+  for (const Vec3& p : best->mesh.points) box.extend(p);
+  const std::vector<FaceFeature>& faces = best->features.faces;
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    if (faces[f].deflection > kWidestFilling * box.diagonal().norm())
+      return fail(ErrorCode::Failed,
+                  fmt::format("The triangles of face F{} ({:.3g} mm2) or of one beside it do not "
+                              "close, and what fills the hole is {:.3g} mm off its surface.",
+                              f + 1, faces[f].area, faces[f].deflection));
+  }
+  return best;
 }
 
 }  // namespace
@@ -246,8 +266,8 @@ Result<Tessellation> tessellate(const Body& body, const TessellateOptions& optio
     bytes =
         runInChild("tessellating", {options.timeLimit, kMemoryLimit}, [&]() -> Result<std::string> {
           return guardOcct("tessellating", [&]() -> Result<std::string> {
-            const auto here = tessellateHere(occtShape(body.shape), body.kind == BodyKind::Solid,
-                                             options, factor * options.deflection);
+            const auto here = tessellateSoundly(occtShape(body.shape), body.kind == BodyKind::Solid,
+                                                options, factor * options.deflection);
             if (!here) return tl::unexpected(here.error());
             return bytesOfTessellation(*here);
           });
