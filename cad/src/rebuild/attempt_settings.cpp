@@ -1,6 +1,6 @@
-// No setting is best everywhere: each moves some tangency to the right side and another to the wrong
-// one, so several are tried and each is judged. The quick ones come first; the one that may end in
-// facets comes after those that gain most without, and before those that gain little.
+// No setting is best everywhere: each moves some tangency to the right side and another to the
+// wrong one, so several are tried and each is judged. The quick ones come first; the one that may
+// end in facets comes after those that gain most without, and before those that gain little.
 #include "rebuild/exact_offset.h"
 
 #include <fmt/format.h>
@@ -12,6 +12,7 @@ std::vector<AttemptSetting> attemptSettings() {
                              .smoothTolerance = 0.01,
                              .dropDeadPatches = true,
                              .thinPairs = true,
+                             .looksAgain = true,
                              .timeLimit = 35};
   const auto at = [&](double reach) {
     AttemptSetting setting = plain;
@@ -28,6 +29,7 @@ std::vector<AttemptSetting> attemptSettings() {
                             .timeLimit = 35};
   AttemptSetting cutByPhi = plain;
   cutByPhi.name = "cut by phi";
+  cutByPhi.looksAgain = false;
   cutByPhi.repairSeconds = 20;
   cutByPhi.timeLimit = 30;
   AttemptSetting unified = fine;
@@ -38,6 +40,7 @@ std::vector<AttemptSetting> attemptSettings() {
   AttemptSetting allPairs = plain;
   allPairs.name = "all pairs";
   allPairs.thinPairs = false;
+  allPairs.looksAgain = false;
   allPairs.timeLimit = 25;
   return {plain, at(0.9992), fine, cutByPhi, at(0.9989), unified, allPairs};
 }

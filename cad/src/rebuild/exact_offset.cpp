@@ -16,6 +16,7 @@
 #include "rebuild/folds.h"
 #include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
+#include "rebuild/open_patches.h"
 #include "rebuild/repair.h"
 #include "rebuild/select.h"
 #include "rebuild/settle.h"
@@ -30,6 +31,71 @@ constexpr double kApproximation = 1e-6;
 constexpr double kRepairMemoryMiB = 2000;
 /// Of a sheet's area: with more of it folded the check, which is dear on such faces, cannot pass.
 constexpr double kMostOffFront = 0.02;
+
+bool anyPair(std::size_t count, const MayCross& holds) {
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = i + 1; j < count; ++j)
+      if (holds(i, j)) return true;
+  return false;
+}
+
+/// The patches in pieces, and what those on the offset enclose.
+struct Cut {
+  std::vector<JudgedFace> judged;
+  Assembly assembly;
+  std::vector<std::string> notes;
+
+  [[nodiscard]] int kept() const {
+    return static_cast<int>(std::count_if(judged.begin(), judged.end(),
+                                          [](const JudgedFace& piece) { return piece.live; }));
+  }
+  [[nodiscard]] bool isClosed() const {
+    return kept() == 0 || (!assembly.shape.IsNull() && assembly.openEdges == 0);
+  }
+};
+
+struct Cutting {
+  bool solid;
+  double distance;
+  double diagonal;
+  double levelTolerance;
+  const AttemptSetting& setting;
+  const TrueDistance& phi;
+
+  [[nodiscard]] Result<Cut> cut(const std::vector<TopoDS_Face>& patches,
+                                const MayCross& mayCross) const {
+    const Result<std::vector<TopoDS_Face>> split =
+        splitFaces(patches, setting.fuzzy * diagonal, mayCross);
+    if (!split) return tl::unexpected<Error>(split.error());
+    Cut cut;
+    const auto judgedOf = [&](const std::vector<TopoDS_Face>& pieces) {
+      std::vector<JudgedFace> judged = judgeFaces(pieces, solid, distance, levelTolerance, phi);
+      const int turned = solid ? settleDoubtful(judged, distance) : 0;
+      if (turned > 0) cut.notes.push_back(fmt::format("{} doubtful pieces settled", turned));
+      return judged;
+    };
+    cut.judged = judgedOf(*split);
+    if (cut.kept() == 0) return cut;
+    const AssembleOptions options{.distance = distance,
+                                  .diagonal = diagonal,
+                                  .sewTolerance = setting.sewTolerance * diagonal};
+    if (!solid) {
+      const double off = shareOffFront(cut.judged, distance, phi);
+      if (off > kMostOffFront)
+        return fail(ErrorCode::Failed,
+                    fmt::format("{:.2g} % of the sheet folds away from the offset", 100 * off));
+      cut.assembly = assembleSheet(cut.judged, options, phi);
+    } else if (setting.repairSeconds == 0) {
+      cut.assembly = assembleSolids(cut.judged, options, phi);
+    } else {
+      const RepairRequest request{options, setting.fuzzy * diagonal, levelTolerance, judgedOf};
+      Result<Assembly> repaired =
+          repairPieces(cut.judged, request, phi, {setting.repairSeconds, kRepairMemoryMiB});
+      if (repaired) cut.assembly = std::move(*repaired);
+    }
+    return cut;
+  }
+};
 
 }  // namespace
 
@@ -60,51 +126,35 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     if (count > 0) result.notes.push_back(fmt::format("{} patches proven dead", count));
   }
 
-  MayCross mayCross;
   std::optional<LivingCells> cells;
+  MayCross mayCross;
   if (setting.thinPairs) {
     cells.emplace(raw.faces, distance, levelTolerance, phi);
     mayCross = [&](std::size_t i, std::size_t j) { return cells->mayCross(i, j); };
   }
-  const Result<std::vector<TopoDS_Face>> split =
-      splitFaces(raw.faces, setting.fuzzy * diagonal, mayCross);
-  if (!split) return tl::unexpected<Error>(split.error());
-  result.splitFaces = static_cast<int>(split->size());
-
-  const auto judgedOf = [&](const std::vector<TopoDS_Face>& pieces) {
-    std::vector<JudgedFace> judged = judgeFaces(pieces, solid, distance, levelTolerance, phi);
-    if (solid) {
-      const int turned = settleDoubtful(judged, distance);
-      if (turned > 0) result.notes.push_back(fmt::format("{} doubtful pieces settled", turned));
+  const Cutting cutting{solid, distance, diagonal, levelTolerance, setting, phi};
+  Result<Cut> cut = cutting.cut(raw.faces, mayCross);
+  if (!cut) return tl::unexpected<Error>(cut.error());
+  if (solid && setting.looksAgain && !cut->isClosed() && cells) {
+    const std::vector<bool> open = openPatches(raw.faces, cut->judged);
+    const auto isDoubtful = [&](std::size_t i, std::size_t j) {
+      return open[i] && open[j] && !cells->mayCross(i, j) && cells->mayMeet(i, j);
+    };
+    if (anyPair(raw.faces.size(), isDoubtful)) {
+      Result<Cut> again = cutting.cut(raw.faces, [&](std::size_t i, std::size_t j) {
+        return cells->mayCross(i, j) || isDoubtful(i, j);
+      });
+      if (again && again->isClosed()) cut = std::move(again);
     }
-    return judged;
-  };
-  std::vector<JudgedFace> judged = judgedOf(*split);
-  result.keptFaces = static_cast<int>(
-      std::count_if(judged.begin(), judged.end(), [](const JudgedFace& j) { return j.live; }));
+  }
+  result.splitFaces = static_cast<int>(cut->judged.size());
+  result.keptFaces = cut->kept();
+  result.notes.insert(result.notes.end(), cut->notes.begin(), cut->notes.end());
   if (result.keptFaces == 0) {
     result.notes.push_back("no piece of any patch lies on the offset");
     return result;
   }
-  if (!solid) {
-    const double off = shareOffFront(judged, distance, phi);
-    if (off > kMostOffFront)
-      return fail(ErrorCode::Failed,
-                  fmt::format("{:.2g} % of the sheet folds away from the offset", 100 * off));
-  }
-  const AssembleOptions options{
-      .distance = distance, .diagonal = diagonal, .sewTolerance = setting.sewTolerance * diagonal};
-  Assembly assembly;
-  if (!solid)
-    assembly = assembleSheet(judged, options, phi);
-  else if (setting.repairSeconds == 0)
-    assembly = assembleSolids(judged, options, phi);
-  if (solid && setting.repairSeconds > 0) {
-    const RepairRequest request{options, setting.fuzzy * diagonal, levelTolerance, judgedOf};
-    Result<Assembly> repaired =
-        repairPieces(judged, request, phi, {setting.repairSeconds, kRepairMemoryMiB});
-    if (repaired) assembly = std::move(*repaired);
-  }
+  const Assembly& assembly = cut->assembly;
   result.openEdges = assembly.openEdges;
   result.fittedFaces = assembly.fittedFaces;
   result.facetedFaces = assembly.facetedFaces;

@@ -19,6 +19,8 @@ struct AttemptSetting {
   bool unifyInput = false;       ///< merge split faces of the input first
   bool dropDeadPatches = false;  ///< drop patches that no label of the iso-surface names
   bool thinPairs = false;        ///< patches that cannot cross on the offset are not intersected
+  /// Patches whose pieces stay open are intersected with their neighbours, too, in a second cut.
+  bool looksAgain = false;
   /// s, > 0: the pieces are cut where phi shows that they leave the offset, even if they close,
   /// then corners are given up to facets; for at most so long. For when earlier settings failed.
   double repairSeconds = 0;

@@ -2,10 +2,11 @@
 // patches pass through it. So only crossings on the level matter, and a pair of patches has none
 // unless a living cell of one meets a living cell of the other. Cells die by the 1-Lipschitz bound.
 // Neighbours by construction are tangent along their shared edge, where intersecting them is slow
-// and ill-conditioned. Near it they cannot cross on the level: that would be a ridge within |d| of
-// a smooth front. Cells away from the edge tell whether they come together once more elsewhere.
-// Weak spot: cells are boxes of sampled points with a margin; a patch that bulges out of it between
-// the samples could lose a crossing, which the check of the result would show.
+// and ill-conditioned. Near it they hardly ever cross on the level: that would be a ridge within
+// |d| of a smooth front (seen where a pipe turns back into itself). Cells away from the edge tell
+// whether they come together once more elsewhere. Weak spot: cells are boxes of sampled points with
+// a margin; a patch that bulges out of it between the samples could lose a crossing, which the
+// check of the result would show.
 #include "rebuild/living_cells.h"
 
 #include <BRepAdaptor_Curve.hxx>
@@ -126,6 +127,16 @@ bool LivingCells::mayCross(std::size_t first, std::size_t second) const {
     }
   }
   return false;
+}
+
+bool LivingCells::mayMeet(std::size_t first, std::size_t second) const {
+  const Patch& a = patches_[first];
+  const Patch& b = patches_[second];
+  return a.box.intersects(b.box) &&
+         std::any_of(a.cells.begin(), a.cells.end(), [&](const Box3& cell) {
+           return std::any_of(b.cells.begin(), b.cells.end(),
+                              [&](const Box3& other) { return cell.intersects(other); });
+         });
 }
 
 }  // namespace phront::cad

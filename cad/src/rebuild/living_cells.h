@@ -20,6 +20,10 @@ class LivingCells {
   /// along the edges that they share by construction.
   [[nodiscard]] bool mayCross(std::size_t first, std::size_t second) const;
 
+  /// The same without faith in shared edges: true as well where patches that share an edge come
+  /// near one another along it.
+  [[nodiscard]] bool mayMeet(std::size_t first, std::size_t second) const;
+
  private:
   struct Patch {
     TopoDS_Face face;
