@@ -20,6 +20,7 @@
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Solid.hxx>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
@@ -111,6 +112,13 @@ class Assembler {
   [[nodiscard]] bool mustSew() const { return hasSlivers_; }
   /// Are there pieces narrower than their edges are known?
   [[nodiscard]] bool isBlurred() const { return blur_ > 0; }
+
+  /// Are there pieces that are not valid as they are? No way makes a valid solid of them.
+  [[nodiscard]] bool hasFaultyPieces() const {
+    return std::any_of(live_.begin(), live_.end(), [](const TopoDS_Shape& face) {
+      return !BRepCheck_Analyzer(face).IsValid();
+    });
+  }
 
   /// Share of faces that say "this cell is inside". Dead faces lie wholly in phi < d; a live one
   /// says so when phi grows across it outwards.
@@ -266,7 +274,8 @@ Assembly assembleSolids(const std::vector<JudgedFace>& faces, const AssembleOpti
       if (result.shape.IsNull()) continue;
       const bool closed = result.openEdges == 0;
       if (best.shape.IsNull() || result.openEdges < best.openEdges) best = std::move(result);
-      if (closed && BRepCheck_Analyzer(best.shape).IsValid()) break;
+      if (closed && (BRepCheck_Analyzer(best.shape).IsValid() || assembler.hasFaultyPieces()))
+        break;
     } catch (const Standard_Failure&) {
       continue;  // the next way
     }
