@@ -3,15 +3,20 @@
 
 #include <gtest/gtest.h>
 #include <BRepAdaptor_Surface.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_NurbsConvert.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
 #include <GProp_GProps.hxx>
+#include <Geom_ConicalSurface.hxx>
 #include <ShapeUpgrade_ShapeDivideClosed.hxx>
 #include <TopExp.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
+#include <gp.hxx>
+#include <gp_Ax3.hxx>
 
 #include <map>
+#include <numbers>
 
 #include "heal/elementary_fit.h"
 #include "solids.h"
@@ -92,8 +97,7 @@ TEST(RecogniseSurfaces, LeavesFreeformAlone) {
   const TopoDS_Shape loft = test::loft();
   const auto before = surfacesOf(loft);
   const CanonicalShape result = recogniseSurfaces(loft, 1e-6);
-  EXPECT_EQ(surfacesOf(result.shape)[GeomAbs_BSplineSurface],
-            before.at(GeomAbs_BSplineSurface));
+  EXPECT_EQ(surfacesOf(result.shape)[GeomAbs_BSplineSurface], before.at(GeomAbs_BSplineSurface));
   EXPECT_NEAR(volumeOf(result.shape), volumeOf(loft), 1e-9 * volumeOf(loft));
 }
 
@@ -121,6 +125,40 @@ TEST(FitElementary, NeedsPoints) {
   EXPECT_FALSE(fitElementary({}, 1e-6));
   const std::vector<SurfacePoint> one(20, {Vec3(1, 1, 1), Vec3::UnitX()});
   EXPECT_FALSE(fitElementary(one, 1e-6));
+}
+
+/// What a frustum becomes when its closed mantle is divided.
+std::map<GeomAbs_SurfaceType, int> recognisedFrustum(double bottom, double top, double height) {
+  const TopoDS_Shape frustum = BRepPrimAPI_MakeCone(bottom, top, height).Solid();
+  ShapeUpgrade_ShapeDivideClosed divide(frustum);
+  divide.SetNbSplitPoints(1);
+  divide.Perform();
+  const CanonicalShape result = recogniseSurfaces(divide.Result(), 1e-3);
+  EXPECT_TRUE(BRepCheck_Analyzer(result.shape).IsValid());
+  EXPECT_NEAR(volumeOf(result.shape), volumeOf(frustum), 1e-3 * volumeOf(frustum));
+  return surfacesOf(result.shape);
+}
+
+TEST(RecogniseSurfaces, ConesByNameOnlyAreCylindersOrPlanes) {
+  const auto upright = recognisedFrustum(10, 10.001, 5);
+  EXPECT_FALSE(upright.contains(GeomAbs_Cone));
+  EXPECT_EQ(upright.at(GeomAbs_Cylinder), 2);
+  const auto real = recognisedFrustum(10, 10.1, 5);
+  EXPECT_EQ(real.at(GeomAbs_Cone), 2);
+  EXPECT_FALSE(real.contains(GeomAbs_Cylinder));
+}
+
+TEST(IsElementary, AsksForMoreThanTheNameOfACone) {
+  const gp_Ax3 frame(gp_Pnt(0, 0, 0), gp::DZ(), gp::DX());
+  const auto cone = [&](double half) {
+    const TopoDS_Face face =
+        BRepBuilderAPI_MakeFace(new Geom_ConicalSurface(frame, half, 10), 0, 1, 0, 1, 1e-7).Face();
+    return isElementary(BRepAdaptor_Surface(face));
+  };
+  EXPECT_TRUE(cone(0.3));
+  EXPECT_TRUE(cone(-0.3));
+  EXPECT_FALSE(cone(1e-4));
+  EXPECT_FALSE(cone(std::numbers::pi / 2 - 1e-4));
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
+#include <BRepBuilderAPI_NurbsConvert.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
@@ -32,6 +33,7 @@
 #include <filesystem>
 #include <numbers>
 
+#include "exchange/measures.h"
 #include "heal/heal.h"
 #include "patches/patch_tools.h"
 #include "patches/raw_complex.h"
@@ -360,6 +362,15 @@ TEST(ExactOffset, PatchesOfConvexSolidsLieOnTheOffset) {
 
 // Mirrored parts have left-handed surfaces. The hole of this torus closes, so that its offset is
 // written as an offset surface.
+// Plain integration takes rational surfaces for larger than their parts.
+TEST(Heal, DividesRationalSurfacesAtTheirKinks) {
+  const TopoDS_Shape nurbs = BRepBuilderAPI_NurbsConvert(test::sphere(10), Standard_True).Shape();
+  const HealedShape healed = heal(nurbs, {.tolerance = 1e-4});
+  ASSERT_FALSE(healed.notes.empty());
+  EXPECT_EQ(healed.notes.front(), "division at kinks: 1 faces become 6");
+  EXPECT_NEAR(accurateAreaOf(healed.shape), 400 * std::numbers::pi, 0.02);
+}
+
 TEST(Heal, TurnsTheSurfacesOfMirroredParts) {
   const TopoDS_Shape ring = test::torus(10, 9);
   gp_Trsf mirror;

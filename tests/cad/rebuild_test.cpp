@@ -19,6 +19,7 @@
 #include <gp_Pln.hxx>
 #include <gp_Trsf.hxx>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -37,6 +38,7 @@
 #include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
 #include "rebuild/near_bodies.h"
+#include "rebuild/open_patches.h"
 #include "rebuild/repair.h"
 #include "rebuild/reunite.h"
 #include "solids.h"
@@ -84,6 +86,37 @@ TEST(LivingCells, OnlyPatchesThatMeetOnTheLevelMayCross) {
   EXPECT_TRUE(cells.mayCross(0, 1));
   EXPECT_FALSE(cells.mayCross(0, 2));
   EXPECT_FALSE(cells.mayCross(3, 4));
+}
+
+// Two halves of a plane on the level: they meet along the edge they share, and do not cross there.
+TEST(LivingCells, NeighboursMeetAlongTheirEdgeButDoNotCross) {
+  const TopoDS_Shape box = test::box(4, 4, 4);
+  const TrueDistance phi = distanceOf(box, 0.01);
+  const TopoDS_Face whole = square(gp_Pnt(2, 2, 4.5), gp::DZ(), 1);
+  const TopoDS_Edge middle =
+      BRepBuilderAPI_MakeEdge(gp_Pnt(2, 0.5, 4.5), gp_Pnt(2, 3.5, 4.5)).Edge();
+  const auto halves = splitFaces({whole}, 0, {}, {middle});
+  ASSERT_TRUE(halves);
+  ASSERT_EQ(halves->size(), 2U);
+  const LivingCells cells(*halves, 0.5, 1e-4, phi);
+  EXPECT_TRUE(cells.mayMeet(0, 1));
+  EXPECT_FALSE(cells.mayCross(0, 1));
+}
+
+TEST(OpenPatches, AreThoseWithPiecesAtAnEdgeThatOneLivePieceUses) {
+  const std::vector<TopoDS_Face> patches = facesOf(test::box(1, 2, 3));
+  std::vector<JudgedFace> pieces;
+  for (const TopoDS_Face& face : patches) {
+    pieces.emplace_back();
+    pieces.back().face = face;
+    pieces.back().live = true;
+  }
+  const std::vector<bool> closed = openPatches(patches, pieces);
+  EXPECT_EQ(std::count(closed.begin(), closed.end(), true), 0);
+  pieces.front().live = false;  // its edges are those of four others; it may lack a cut itself
+  const std::vector<bool> open = openPatches(patches, pieces);
+  EXPECT_TRUE(open.front());
+  EXPECT_EQ(std::count(open.begin(), open.end(), true), 5);
 }
 
 // The box of a half circle holds its middle, its cells do not.

@@ -1,12 +1,14 @@
 #include "phront/cad/tessellate.h"
 
 #include <gtest/gtest.h>
+#include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepGProp.hxx>
 #include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
 #include <Poly_Triangulation.hxx>
+#include <gp.hxx>
 
 #include <map>
 #include <numbers>
@@ -226,6 +228,26 @@ TEST(Tessellate, RefusesNonsense) {
     EXPECT_EQ(result.error().code, ErrorCode::InvalidArgument);
   }
   EXPECT_FALSE(tessellate(Body{}, {.deflection = 0.1}));
+}
+
+// The polygons of the ring's two borders cross at this deflection.
+TEST(Tessellate, RingNarrowerThanTheDeflectionLeavesNoHole) {
+  constexpr double kOuter = 73;
+  constexpr double kInner = kOuter - 0.0107;
+  const TopoDS_Shape lower = test::cylinder(kOuter, 5);
+  gp_Trsf up;
+  up.SetRotation(gp::OZ(), 0.03);  // vertices and chords are not opposite to one another
+  up.SetTranslationPart(gp_Vec(0, 0, 5));
+  const TopoDS_Shape upper = test::transformed(test::cylinder(kInner, 5), up);
+  const TopoDS_Shape both =
+      TopExp_Explorer(BRepAlgoAPI_Fuse(lower, upper).Shape(), TopAbs_SOLID).Current();
+  const Tessellation t = tessellated(both, 0.1);
+  EXPECT_EQ(t.filledHoles, 0);
+  EXPECT_LT(t.measuredDeflection, 0.2);
+  double area = 0;
+  for (const FaceFeature& face : t.features.faces) area += face.area;
+  const double exact = 2 * kPi * kOuter * kOuter + 2 * kPi * (kOuter + kInner) * 5;
+  EXPECT_NEAR(area, exact, 1e-3 * exact);
 }
 
 }  // namespace
