@@ -18,6 +18,7 @@ std::vector<AttemptSetting> attemptSettings() {
     AttemptSetting setting = plain;
     setting.name = fmt::format("at {:g} d", reach);
     setting.reach = reach;
+    setting.looksAgain = false;
     return setting;
   };
   const AttemptSetting fine{.name = "fine",
@@ -26,6 +27,7 @@ std::vector<AttemptSetting> attemptSettings() {
                             .sewTolerance = 1e-5,
                             .dropDeadPatches = true,
                             .thinPairs = true,
+                            .looksAgain = true,
                             .timeLimit = 35};
   AttemptSetting cutByPhi = plain;
   cutByPhi.name = "cut by phi";
@@ -36,6 +38,7 @@ std::vector<AttemptSetting> attemptSettings() {
   unified.name = "unified";
   unified.fuzzy = 1e-6;
   unified.unifyInput = true;
+  unified.looksAgain = false;
   unified.timeLimit = 25;
   AttemptSetting allPairs = plain;
   allPairs.name = "all pairs";

@@ -1,19 +1,16 @@
 #include "rebuild/repair.h"
 
-#include <fmt/format.h>
-
 #include <BRepCheck_Analyzer.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <sstream>
 
-#include "exchange/shape_bytes.h"
 #include "judge/read_back.h"
 #include "patches/patch_tools.h"
 #include "phront/cad/shape_occt.h"
+#include "rebuild/assembly_bytes.h"
 #include "rebuild/cells.h"
 #include "rebuild/front_cuts.h"
 #include "rebuild/fuse.h"
@@ -83,22 +80,16 @@ bool isSound(const Assembly& assembly, double size) {
 
 Result<Assembly> repairPieces(const std::vector<JudgedFace>& pieces, const RepairRequest& request,
                               const TrueDistance& phi, const GuardLimits& limits) {
-  // The counts, a line end, the shape.
   const Result<std::string> bytes =
       runInChild("repairing the pieces", limits, [&]() -> Result<std::string> {
         const Result<Assembly> made = repaired(pieces, request, phi);
         if (!made) return tl::unexpected(made.error());
-        return fmt::format("{} {}\n", made->fittedFaces, made->facetedFaces) +
-               bytesOfShape(made->shape);
+        return bytesOfAssembly(*made);
       });
   if (!bytes) return tl::unexpected(bytes.error());
-  Assembly assembly;
-  const std::size_t end = bytes->find('\n');
-  std::istringstream(bytes->substr(0, end)) >> assembly.fittedFaces >> assembly.facetedFaces;
-  Result<TopoDS_Shape> shape = shapeOfBytes(std::string_view(*bytes).substr(end + 1));
-  if (!shape) return tl::unexpected(shape.error());
-  assembly.shape = std::move(*shape);
-  assembly.way = assembly.facetedFaces > 0 ? "pieces and facets" : "pieces cut by phi";
+  Result<Assembly> assembly = assemblyOfBytes(*bytes);
+  if (!assembly) return assembly;
+  assembly->way = assembly->facetedFaces > 0 ? "pieces and facets" : "pieces cut by phi";
   return assembly;
 }
 
