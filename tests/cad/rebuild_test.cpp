@@ -2,13 +2,17 @@
 #include <gtest/gtest.h>
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
+#include <BRepAlgoAPI_Cut.hxx>
 #include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBndLib.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepBuilderAPI_MakePolygon.hxx>
 #include <BRepBuilderAPI_Sewing.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakePrism.hxx>
 #include <BRep_Builder.hxx>
 #include <Bnd_Box.hxx>
 #include <GProp_GProps.hxx>
@@ -28,6 +32,8 @@
 
 #include "exchange/measures.h"
 #include "judge/read_back.h"
+#include "rebuild/assembly_bytes.h"
+#include "rebuild/cells.h"
 #include "rebuild/contact_cells.h"
 #include "rebuild/exact_offset.h"
 #include "rebuild/facet_gaps.h"
@@ -41,6 +47,7 @@
 #include "rebuild/open_patches.h"
 #include "rebuild/repair.h"
 #include "rebuild/reunite.h"
+#include "rebuild/select.h"
 #include "solids.h"
 
 namespace phront::cad {
@@ -137,6 +144,55 @@ TopoDS_Shape exactOffset(const TopoDS_Shape& shape, double distance, const TrueD
       tryExactOffset(shape, true, distance, phi, attemptSettings().front());
   EXPECT_TRUE(made) << (made ? "" : made.error().message);
   return made ? made->shape : TopoDS_Shape();
+}
+
+// A hole narrower than the distance, over the ridge of a roof: the pipes round its two rims turn
+// back into themselves, and cross along edges that they share.
+TEST(TryExactOffset, HoleOverARidgeClosesAtTheSecondLook) {
+  BRepBuilderAPI_MakePolygon roof(gp_Pnt(0, 0, 0), gp_Pnt(20, 0, 0), gp_Pnt(20, 0, 3.425),
+                                  gp_Pnt(9.25, 0, 4.5));
+  roof.Add(gp_Pnt(0, 0, 4.5));
+  roof.Close();
+  const TopoDS_Shape block =
+      BRepPrimAPI_MakePrism(BRepBuilderAPI_MakeFace(roof.Wire()).Face(), gp_Vec(0, 32, 0)).Shape();
+  const TopoDS_Shape drill =
+      BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(8, 16, -5), gp::DZ()), 1.6, 20).Shape();
+  const TopoDS_Shape part =
+      TopExp_Explorer(BRepAlgoAPI_Cut(block, drill).Shape(), TopAbs_SOLID).Current();
+  constexpr double kDistance = 1.679;
+  const TrueDistance phi = distanceOf(part, 1e-3 * kDistance);
+  const TopoDS_Shape offset = exactOffset(part, kDistance, phi);
+  ASSERT_FALSE(offset.IsNull());
+  EXPECT_TRUE(BRepCheck_Analyzer(offset).IsValid());
+  EXPECT_EQ(countOpenEdges(offset), 0);
+  for (const TopoDS_Face& face : facesOf(offset)) {
+    for (const FaceSample& sample : interiorSamples(face)) {
+      const Vec3 p(sample.point.X(), sample.point.Y(), sample.point.Z());
+      EXPECT_NEAR(phi.signedDistance(p), kDistance, 1e-3 * kDistance);
+    }
+  }
+}
+
+TEST(AssemblyBytes, ComeBackAsTheyWere) {
+  Assembly assembly;
+  assembly.shape = test::box(1, 2, 3);
+  assembly.openEdges = 1;
+  assembly.fittedFaces = 2;
+  assembly.facetedFaces = 3;
+  assembly.way = "sewn pieces, repaired";
+  const Result<Assembly> back = assemblyOfBytes(bytesOfAssembly(assembly));
+  ASSERT_TRUE(back);
+  EXPECT_NEAR(volumeOf(back->shape), 6, 1e-9);
+  EXPECT_EQ(back->openEdges, 1);
+  EXPECT_EQ(back->fittedFaces, 2);
+  EXPECT_EQ(back->facetedFaces, 3);
+  EXPECT_EQ(back->way, assembly.way);
+  assembly.shape.Nullify();
+  const Result<Assembly> nothing = assemblyOfBytes(bytesOfAssembly(assembly));
+  ASSERT_TRUE(nothing);
+  EXPECT_TRUE(nothing->shape.IsNull());
+  EXPECT_FALSE(assemblyOfBytes("1 2 3"));
+  EXPECT_FALSE(assemblyOfBytes("one two\nway\n"));
 }
 
 TEST(ReuniteFaces, MakesDividedOnesWhole) {
