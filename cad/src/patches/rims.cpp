@@ -19,6 +19,7 @@
 #include <map>
 #include <set>
 
+#include "patches/bends.h"
 #include "patches/patch_tools.h"
 
 namespace phront::cad {
@@ -57,29 +58,13 @@ struct Fold {
 std::vector<Fold> foldsOf(const EdgeInfo& info, double radius) {
   if (info.samples.size() < 2 || !info.pipe) return {};
   const BRepAdaptor_Curve curve(info.edge);
-  const double first = curve.FirstParameter();
-  const double last = curve.LastParameter();
   std::vector<Fold> folds;
-  std::size_t after = 1;
   for (int i = 0; i <= kPlaces; ++i) {
     const double share = static_cast<double>(i) / kPlaces;
-    const double t = first + share * (last - first);
-    while (after + 1 < info.samples.size() && info.samples[after].t < t) ++after;
-    const EdgeSample& a = info.samples[after - 1];
-    const EdgeSample& b = info.samples[after];
-    const double between = std::clamp((t - a.t) / (b.t - a.t), 0.0, 1.0);
-    const auto normal = [&](const gp_Vec& from, const gp_Vec& to) {
-      return (from * (1 - between) + to * between).Normalized();
-    };
-    const gp_Vec n1 = normal(a.n1, b.n1);
-    const gp_Vec n2 = normal(a.n2, b.n2);
-    gp_Pnt p;
-    gp_Vec d1;
-    gp_Vec d2;
-    curve.D2(t, p, d1, d2);
-    if (d1.Magnitude() < 1e-12) return {};
-    const gp_Vec tangent = d1.Normalized();
-    const gp_Vec curvature = (d2 - tangent * d2.Dot(tangent)) / d1.SquareMagnitude();
+    const double t = std::lerp(curve.FirstParameter(), curve.LastParameter(), share);
+    const std::optional<Bend> bend = bendAt(info, curve, t);
+    if (!bend) return {};
+    const auto& [n1, n2, curvature] = *bend;
     const bool keeps2 = curvature.Dot(n2) < curvature.Dot(n1);
     const std::optional<double> angle =
         keeps2 ? foldAngle(curvature, radius, n2, n1) : foldAngle(curvature, radius, n1, n2);
@@ -162,8 +147,10 @@ struct RimPlaces {
 class RimDivider {
  public:
   RimDivider(const TopoDS_Shape& shape, double distance, double smoothAngle)
-      : shape_(shape), table_(makeEdgeTable(shape, distance > 0 ? 1 : -1, smoothAngle)) {
-    for (const EdgeInfo& info : table_.edges) folds_.push_back(foldsOf(info, std::abs(distance)));
+      : shape_(shape),
+        radius_(std::abs(distance)),
+        table_(makeEdgeTable(shape, distance > 0 ? 1 : -1, smoothAngle)) {
+    for (const EdgeInfo& info : table_.edges) folds_.push_back(foldsOf(info, radius_));
   }
 
   DividedRims run(const std::set<std::size_t>& leaveOut) {
@@ -176,6 +163,7 @@ class RimDivider {
       const double other = places.least(one);
       result.tips.push_back({vertexAt(all[r], places, one), vertexAt(all[r], places, other), r});
     }
+    cutAtBends(all);
     BRepTools_ReShape reshape;
     for (const auto& [edge, cuts] : cuts_) divide(edge, cuts, reshape);
     if (!cuts_.empty()) result.shape = reshape.Apply(shape_);
@@ -204,6 +192,23 @@ class RimDivider {
       if (rim.size() > 1 && !circles) found.push_back(rim);
     }
     return found;
+  }
+
+  /// A pipe that folds passes through itself, which General Fuse does not see; its halves on either
+  /// side of where it bends most cross one another.
+  void cutAtBends(const std::vector<RimHalf>& rims) {
+    std::set<int> onRims;
+    for (const RimHalf& rim : rims)
+      for (const RimEdge& use : rim) onRims.insert(use.edge);
+    for (int e = 0; e < static_cast<int>(table_.edges.size()); ++e) {
+      if (onRims.count(e) > 0) continue;
+      const EdgeInfo& info = table_.edges[static_cast<std::size_t>(e)];
+      for (const double share : tightBends(info, radius_)) {
+        const BRepAdaptor_Curve curve(info.edge);
+        const double t = std::lerp(curve.FirstParameter(), curve.LastParameter(), share);
+        cuts_[e].emplace(share, makeVertex(curve.Value(t), BRep_Tool::Tolerance(info.edge)));
+      }
+    }
   }
 
   /// The rim in kPlaces steps an edge; consecutive edges share the place between them.
@@ -279,6 +284,7 @@ class RimDivider {
   }
 
   TopoDS_Shape shape_;
+  double radius_;
   EdgeTable table_;
   std::vector<std::vector<Fold>> folds_;  ///< by edge
   std::map<int, Cuts> cuts_;
