@@ -1,6 +1,7 @@
 // Holes drilled through curved walls and narrower than the distance: the offset closes over them,
 // where the pipes round their rims meet in a ridge.
 #include <gtest/gtest.h>
+#include <BRepAdaptor_Curve.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepPrimAPI_MakeCone.hxx>
@@ -10,10 +11,12 @@
 #include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <cmath>
+#include <gp_Elips.hxx>
 #include <numbers>
 #include <ostream>
 
 #include "heal/heal.h"
+#include "patches/bends.h"
 #include "patches/patch_tools.h"
 #include "patches/raw_complex.h"
 #include "patches/rims.h"
@@ -146,6 +149,51 @@ TEST(DivideRims, LeavesWideHolesAndCirclesAlone) {
   const TopoDS_Shape inPlate =
       heal(drilled(test::box(9, 9, 9), gp_Pnt(4, 4, 4), gp::DX(), 0), {.tolerance = 1e-4}).shape;
   EXPECT_TRUE(divideRims(inPlate, 2, kSmoothAngle).tips.empty());
+}
+
+/// A plate with an oblique hole; the seam of the hole runs along the short axes of its rims.
+TopoDS_Shape obliquelyDrilled() {
+  constexpr double kTilt = std::numbers::pi / 3;
+  const gp_Dir along(std::sin(kTilt), 0, std::cos(kTilt));
+  const gp_Pnt start = gp_Pnt(15, 15, 3).Translated(gp_Vec(along) * -30);
+  const TopoDS_Shape drill =
+      BRepPrimAPI_MakeCylinder(gp_Ax2(start, along, gp::DY()), 1, 60).Shape();
+  return solidIn(BRepAlgoAPI_Cut(test::box(30, 30, 6), drill).Shape());
+}
+
+// Half axes 2 and 1: the curvature is 2 at the ends of the long one, 1/4 at those of the short one.
+// At one of the two ends the wall leans back, and no direction between the normals is near to the
+// centre's.
+TEST(TightBends, LieAtTheLongAxisOfAnEllipse) {
+  const TopoDS_Shape shape = heal(obliquelyDrilled(), {.tolerance = 1e-5}).shape;
+  const EdgeTable table = makeEdgeTable(shape, 1, kSmoothAngle);
+  int found = 0;
+  for (const EdgeInfo& info : table.edges) {
+    EXPECT_TRUE(tightBends(info, 0.4).empty());  // does not fold
+    for (const double share : tightBends(info, 1)) {
+      ++found;
+      const BRepAdaptor_Curve curve(info.edge);
+      ASSERT_EQ(curve.GetType(), GeomAbs_Ellipse);
+      const gp_Pnt p = curve.Value(std::lerp(curve.FirstParameter(), curve.LastParameter(), share));
+      EXPECT_NEAR(p.Distance(curve.Ellipse().Location()), 2, 0.01);
+    }
+  }
+  EXPECT_EQ(found, 2);
+}
+
+TEST(DivideRims, EdgesWhosePipesFoldAreDividedWhereTheyBendMost) {
+  const TopoDS_Shape shape = heal(obliquelyDrilled(), {.tolerance = 1e-5}).shape;
+  const auto edgesOf = [](const TopoDS_Shape& part) {
+    TopTools_IndexedMapOfShape edges;
+    TopExp::MapShapes(part, TopAbs_EDGE, edges);
+    return edges.Extent();
+  };
+  const DividedRims divided = divideRims(shape, 1, kSmoothAngle);
+  EXPECT_TRUE(divided.tips.empty());
+  EXPECT_EQ(edgesOf(divided.shape), edgesOf(shape) + 2);
+  EXPECT_TRUE(BRepCheck_Analyzer(divided.shape).IsValid());
+  EXPECT_TRUE(divideRims(shape, 0.4, kSmoothAngle).shape.IsSame(shape));
+  EXPECT_TRUE(divideRims(shape, -1, kSmoothAngle).shape.IsSame(shape));  // no pipes there
 }
 
 }  // namespace
