@@ -181,19 +181,18 @@ TEST(TightBends, LieAtTheLongAxisOfAnEllipse) {
   EXPECT_EQ(found, 2);
 }
 
-TEST(DivideRims, EdgesWhosePipesFoldAreDividedWhereTheyBendMost) {
+TEST(DivideBends, EdgesWhosePipesFoldAreDividedWhereTheyBendMost) {
   const TopoDS_Shape shape = heal(obliquelyDrilled(), {.tolerance = 1e-5}).shape;
   const auto edgesOf = [](const TopoDS_Shape& part) {
     TopTools_IndexedMapOfShape edges;
     TopExp::MapShapes(part, TopAbs_EDGE, edges);
     return edges.Extent();
   };
-  const DividedRims divided = divideRims(shape, 1, kSmoothAngle);
-  EXPECT_TRUE(divided.tips.empty());
-  EXPECT_EQ(edgesOf(divided.shape), edgesOf(shape) + 2);
-  EXPECT_TRUE(BRepCheck_Analyzer(divided.shape).IsValid());
-  EXPECT_TRUE(divideRims(shape, 0.4, kSmoothAngle).shape.IsSame(shape));
-  EXPECT_TRUE(divideRims(shape, -1, kSmoothAngle).shape.IsSame(shape));  // no pipes there
+  const TopoDS_Shape divided = divideBends(shape, 1, kSmoothAngle);
+  EXPECT_EQ(edgesOf(divided), edgesOf(shape) + 2);
+  EXPECT_TRUE(BRepCheck_Analyzer(divided).IsValid());
+  EXPECT_TRUE(divideBends(shape, 0.4, kSmoothAngle).IsSame(shape));
+  EXPECT_TRUE(divideBends(shape, -1, kSmoothAngle).IsSame(shape));  // no pipes there
 }
 
 }  // namespace

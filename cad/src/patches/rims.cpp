@@ -163,11 +163,26 @@ class RimDivider {
       const double other = places.least(one);
       result.tips.push_back({vertexAt(all[r], places, one), vertexAt(all[r], places, other), r});
     }
-    cutAtBends(all);
-    BRepTools_ReShape reshape;
-    for (const auto& [edge, cuts] : cuts_) divide(edge, cuts, reshape);
-    if (!cuts_.empty()) result.shape = reshape.Apply(shape_);
+    result.shape = divided();
     return result;
+  }
+
+  /// A pipe that folds passes through itself, which General Fuse does not see; its halves on either
+  /// side of where it bends most cross one another.
+  TopoDS_Shape runAtBends() {
+    std::set<int> onRims;
+    for (const RimHalf& rim : rims())
+      for (const RimEdge& use : rim) onRims.insert(use.edge);
+    for (int e = 0; e < static_cast<int>(table_.edges.size()); ++e) {
+      if (onRims.count(e) > 0) continue;
+      const EdgeInfo& info = table_.edges[static_cast<std::size_t>(e)];
+      for (const double share : tightBends(info, radius_)) {
+        const BRepAdaptor_Curve curve(info.edge);
+        const double t = std::lerp(curve.FirstParameter(), curve.LastParameter(), share);
+        cuts_[e].emplace(share, makeVertex(curve.Value(t), BRep_Tool::Tolerance(info.edge)));
+      }
+    }
+    return divided();
   }
 
  private:
@@ -194,21 +209,11 @@ class RimDivider {
     return found;
   }
 
-  /// A pipe that folds passes through itself, which General Fuse does not see; its halves on either
-  /// side of where it bends most cross one another.
-  void cutAtBends(const std::vector<RimHalf>& rims) {
-    std::set<int> onRims;
-    for (const RimHalf& rim : rims)
-      for (const RimEdge& use : rim) onRims.insert(use.edge);
-    for (int e = 0; e < static_cast<int>(table_.edges.size()); ++e) {
-      if (onRims.count(e) > 0) continue;
-      const EdgeInfo& info = table_.edges[static_cast<std::size_t>(e)];
-      for (const double share : tightBends(info, radius_)) {
-        const BRepAdaptor_Curve curve(info.edge);
-        const double t = std::lerp(curve.FirstParameter(), curve.LastParameter(), share);
-        cuts_[e].emplace(share, makeVertex(curve.Value(t), BRep_Tool::Tolerance(info.edge)));
-      }
-    }
+  [[nodiscard]] TopoDS_Shape divided() const {
+    if (cuts_.empty()) return shape_;
+    BRepTools_ReShape reshape;
+    for (const auto& [edge, cuts] : cuts_) divide(edge, cuts, reshape);
+    return reshape.Apply(shape_);
   }
 
   /// The rim in kPlaces steps an edge; consecutive edges share the place between them.
@@ -295,6 +300,10 @@ class RimDivider {
 DividedRims divideRims(const TopoDS_Shape& shape, double distance, double smoothAngle,
                        const std::set<std::size_t>& leaveOut) {
   return RimDivider(shape, distance, smoothAngle).run(leaveOut);
+}
+
+TopoDS_Shape divideBends(const TopoDS_Shape& shape, double distance, double smoothAngle) {
+  return RimDivider(shape, distance, smoothAngle).runAtBends();
 }
 
 std::optional<std::pair<RimHalf, RimHalf>> rimHalves(const EdgeTable& table, const RimTips& tips) {

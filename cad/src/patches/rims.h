@@ -27,11 +27,16 @@ struct DividedRims {
 };
 
 /// Finds the closed rims, no circles, whose pipes of radius |distance| fold all along, and divides
-/// their edges at the tips; other edges whose pipes fold are divided where they bend most.
+/// their edges at the tips.
 /// `smoothAngle` as in EdgeTable. Rims with a number in `leaveOut` stay as they are and have no
 /// tips; the numbers of the others do not depend on it.
 [[nodiscard]] DividedRims divideRims(const TopoDS_Shape& shape, double distance, double smoothAngle,
                                      const std::set<std::size_t>& leaveOut = {});
+
+/// Divides edges whose pipes of radius |distance| fold where they bend most, if that is inside of
+/// them; those of rims that fold all along stay as they are. The input where there are none.
+[[nodiscard]] TopoDS_Shape divideBends(const TopoDS_Shape& shape, double distance,
+                                       double smoothAngle);
 
 /// An edge of a rim, and whether the rim runs as it does.
 struct RimEdge {

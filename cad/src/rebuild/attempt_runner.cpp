@@ -168,7 +168,7 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
   AttemptLog log;
   double leastWorth = kLeastAttempt;
   const auto serves = [&](const AttemptSetting& setting) {
-    return !sheet || (setting.reach == 1 && setting.repairSeconds == 0);
+    return !sheet || (setting.reach == 1 && setting.repairSeconds == 0 && !setting.dividesBends);
   };
   std::size_t most = settings.size();
   for (std::size_t next = 0; next < most;) {

@@ -29,6 +29,9 @@ std::vector<AttemptSetting> attemptSettings() {
                             .thinPairs = true,
                             .looksAgain = true,
                             .timeLimit = 35};
+  AttemptSetting atBends = plain;
+  atBends.name = "at bends";
+  atBends.dividesBends = true;
   AttemptSetting cutByPhi = plain;
   cutByPhi.name = "cut by phi";
   cutByPhi.looksAgain = false;
@@ -45,7 +48,7 @@ std::vector<AttemptSetting> attemptSettings() {
   allPairs.thinPairs = false;
   allPairs.looksAgain = false;
   allPairs.timeLimit = 25;
-  return {plain, at(0.9992), fine, cutByPhi, at(0.9989), unified, allPairs};
+  return {plain, at(0.9992), fine, atBends, cutByPhi, at(0.9989), unified, allPairs};
 }
 
 }  // namespace phront::cad

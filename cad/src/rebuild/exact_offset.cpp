@@ -13,6 +13,7 @@
 #include "heal/heal.h"
 #include "patches/patch_tools.h"
 #include "patches/raw_complex.h"
+#include "patches/rims.h"
 #include "rebuild/cut_patches.h"
 #include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
@@ -48,6 +49,12 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   HealedShape healed = heal(body, {.tolerance = 1e-5 * diagonal, .unify = setting.unifyInput});
   result.notes = std::move(healed.notes);
 
+  if (setting.dividesBends) {
+    const TopoDS_Shape divided = divideBends(healed.shape, distance, setting.smoothTolerance);
+    if (divided.IsSame(healed.shape))
+      return fail(ErrorCode::Failed, "no pipe folds inside of an edge");
+    healed.shape = divided;
+  }
   RawComplex raw = buildRawComplex(healed.shape, {.distance = distance,
                                                   .smoothAngle = setting.smoothTolerance,
                                                   .tolerance = kApproximation * diagonal});

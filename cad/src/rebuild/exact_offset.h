@@ -19,6 +19,8 @@ struct AttemptSetting {
   bool unifyInput = false;       ///< merge split faces of the input first
   bool dropDeadPatches = false;  ///< drop patches that no label of the iso-surface names
   bool thinPairs = false;        ///< patches that cannot cross on the offset are not intersected
+  /// Edges whose pipes fold are divided where they bend most; without such edges the attempt fails.
+  bool dividesBends = false;
   /// Patches whose pieces stay open are intersected with their neighbours, too, in a second cut.
   bool looksAgain = false;
   /// s, > 0: the pieces are cut where phi shows that they leave the offset, even if they close,
