@@ -74,8 +74,10 @@ void apply(HealedShape& healed, const std::string& name, Step&& step) {
       fix.Perform();
       after = fix.Shape();
     }
+    // The dear look is for divided faces: short edges alone are worth little.
     if (!isSame(areaOf(before), areaOf(after)) &&
-        !isSame(accurateAreaOf(before), accurateAreaOf(after))) {
+        (facesOf(after) == facesOf(before) ||
+         !isSame(accurateAreaOf(before), accurateAreaOf(after)))) {
       healed.notes.push_back(name + " changed the shape and was left out");
       return;
     }

@@ -16,7 +16,6 @@
 #include <Bnd_Box.hxx>
 #include <Geom2d_Curve.hxx>
 #include <GeomAPI_Interpolate.hxx>
-#include <GeomAPI_ProjectPointOnCurve.hxx>
 #include <GeomAPI_ProjectPointOnSurf.hxx>
 #include <GeomAdaptor_Curve.hxx>
 #include <Geom_BSplineCurve.hxx>
@@ -37,7 +36,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 #include <vector>
 
 #include "patches/patch_tools.h"
@@ -283,12 +281,7 @@ class SectionPair {
     for (int c = 0; c < curves.Length(); ++c) {
       BOPDS_Curve curve = curves(c);
       SectionCurve section(curve, first_, second_, *context_);
-      const bool hasEnds = section.hasEnds();
-      if (hasEnds && isNoise(section)) {
-        ++changed;
-        continue;
-      }
-      if (curve.Tolerance() <= doubtful_ || !hasEnds || !section.isOutrageous()) {
+      if (curve.Tolerance() <= doubtful_ || !section.hasEnds() || !section.isOutrageous()) {
         good.push_back(curve);
         continue;
       }
@@ -311,23 +304,6 @@ class SectionPair {
   }
 
  private:
-  /// Faces that are tangent along an edge they share seem to cross all over it, in bits and pieces.
-  [[nodiscard]] bool isNoise(const SectionCurve& section) {
-    const double reach = kSameEnd * doubtful_;
-    if (section.chord() > reach) return false;
-    if (!shared_) {
-      shared_.emplace();
-      for (const TopoDS_Edge& edge : edgesOf(first_))
-        for (const TopoDS_Edge& other : edgesOf(second_))
-          if (edge.IsSame(other) && !BRep_Tool::Degenerated(edge)) shared_->push_back(edge);
-    }
-    return std::any_of(shared_->begin(), shared_->end(), [&](const TopoDS_Edge& edge) {
-      GeomAPI_ProjectPointOnCurve& projector = context_->ProjPC(edge);
-      projector.Perform(section.from());
-      return projector.NbPoints() > 0 && projector.LowerDistance() <= reach;
-    });
-  }
-
   /// Curves between the same ends, as the points that are walked have them, without approximation;
   /// where there are none the curves as they are.
   std::vector<BOPDS_Curve> insteadOf(const std::vector<BOPDS_Curve>& astray) {
@@ -364,7 +340,6 @@ class SectionPair {
   const TopoDS_Face& second_;
   const Handle(IntTools_Context) & context_;
   double doubtful_;
-  std::optional<std::vector<TopoDS_Edge>> shared_;  ///< edges of both
 };
 
 }  // namespace
