@@ -27,9 +27,8 @@ struct DividedRims {
 };
 
 /// Finds the closed rims, no circles, whose pipes of radius |distance| fold all along, and divides
-/// their edges at the tips.
-/// `smoothAngle` as in EdgeTable. Rims with a number in `leaveOut` stay as they are and have no
-/// tips; the numbers of the others do not depend on it.
+/// their edges at the tips. `smoothAngle` as in EdgeTable. Rims with a number in `leaveOut` stay as
+/// they are and have no tips; the numbers of the others do not depend on it.
 [[nodiscard]] DividedRims divideRims(const TopoDS_Shape& shape, double distance, double smoothAngle,
                                      const std::set<std::size_t>& leaveOut = {});
 
