@@ -360,8 +360,6 @@ TEST(ExactOffset, PatchesOfConvexSolidsLieOnTheOffset) {
   }
 }
 
-// Mirrored parts have left-handed surfaces. The hole of this torus closes, so that its offset is
-// written as an offset surface.
 // Plain integration takes rational surfaces for larger than their parts.
 TEST(Heal, DividesRationalSurfacesAtTheirKinks) {
   const TopoDS_Shape nurbs = BRepBuilderAPI_NurbsConvert(test::sphere(10), Standard_True).Shape();
@@ -371,6 +369,8 @@ TEST(Heal, DividesRationalSurfacesAtTheirKinks) {
   EXPECT_NEAR(accurateAreaOf(healed.shape), 400 * std::numbers::pi, 0.02);
 }
 
+// Mirrored parts have left-handed surfaces. The hole of this torus closes, so that its offset is
+// written as an offset surface.
 TEST(Heal, TurnsTheSurfacesOfMirroredParts) {
   const TopoDS_Shape ring = test::torus(10, 9);
   gp_Trsf mirror;

@@ -1,4 +1,5 @@
-// Closed rims whose pipes fold over: those of mouths narrower than the distance.
+// Closed rims whose pipes fold over: those of mouths narrower than the distance; and other edges
+// whose pipes do.
 #pragma once
 
 #include <TopoDS_Shape.hxx>
