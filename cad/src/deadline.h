@@ -1,10 +1,14 @@
-// Time that is left, handed down: what one step does not use the next one has.
+// Time that is left, handed down: what one step does not use the next one has; and time spent.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
 
 namespace phront::cad {
+
+[[nodiscard]] inline double secondsSince(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
 
 class Deadline {
  public:

@@ -36,10 +36,6 @@ constexpr double kReuniteSeconds = 5;
 // Nor with less than this share of the time that another setting found too short.
 constexpr double kShareOfTimeout = 0.5;
 
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
 struct Trial {
   std::string line;
   std::optional<JudgedAttempt> judged;

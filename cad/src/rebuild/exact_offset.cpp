@@ -10,6 +10,7 @@
 #include <optional>
 #include <utility>
 
+#include "deadline.h"
 #include "heal/heal.h"
 #include "patches/patch_tools.h"
 #include "patches/raw_complex.h"
@@ -31,10 +32,6 @@ constexpr double kLeastSecondLook = 5;
 constexpr double kSecondLook = 1.5;
 
 using Clock = std::chrono::steady_clock;
-
-double secondsSince(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 }  // namespace
 
