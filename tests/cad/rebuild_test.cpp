@@ -483,7 +483,7 @@ TEST(MakeFront, EndsInTimeAndSaysWhatItLeftOut) {
   EXPECT_TRUE(coarse->unresolved);
 }
 
-TEST(FacetBody, PassesOnAFrontAndIsClosedWithoutOne) {
+TEST(FacetBody, PassesInTimeAndIsClosedWithoutAFront) {
   const TopoDS_Shape shape = test::filletedBox(10, 2);
   const Body body = test::solidBody(shape);
   const TrueDistance phi = distanceOf(shape, 0.002);
@@ -491,22 +491,30 @@ TEST(FacetBody, PassesOnAFrontAndIsClosedWithoutOne) {
   options.distance = 1;
   options.tolerance = 0.03;
   options.threads = 1;
-  const auto front = makeFront(phi.surface(), 1, 1, {100'000, 60}, {});
-  ASSERT_TRUE(front) << front.error().message;
   const Result<BodyCheck> check = BodyCheck::make(
       body, body, std::make_shared<const TrueDistance>(distanceOf(shape, 0.002)), 1, 30);
   ASSERT_TRUE(check) << check.error().message;
-  const FacetAttempt fine = facetBody(body, options, phi, *check, &*front, Deadline(60));
-  EXPECT_TRUE(fine.check.pass()) << fine.check.reasons.front();
-  EXPECT_EQ(fine.planarFaces, 6);
-  EXPECT_GT(fine.facets, 100);
+  const Result<FacetAttempt> fine = facetBody(body, options, phi, *check, Deadline(60), {});
+  ASSERT_TRUE(fine) << fine.error().message;
+  EXPECT_TRUE(fine->file.check.pass()) << fine->file.check.reasons.front();
+  EXPECT_NE(fine->file.fingerprint, 0U);
+  EXPECT_EQ(fine->planarFaces, 6);
+  EXPECT_GT(fine->facets, 100);
 
-  const FacetAttempt coarse = facetBody(body, options, phi, *check, nullptr, Deadline(60));
-  EXPECT_FALSE(coarse.check.pass());
-  EXPECT_TRUE(coarse.check.valid);
-  EXPECT_TRUE(coarse.check.closed);
-  ASSERT_EQ(coarse.bodies.size(), 1U);
-  EXPECT_LT(coarse.facets, fine.facets);
+  options.tolerance = 1e-7;  // more facets than are allowed, whatever the time
+  const Result<FacetAttempt> coarse = facetBody(body, options, phi, *check, Deadline(60), {});
+  ASSERT_TRUE(coarse) << coarse.error().message;
+  EXPECT_FALSE(coarse->file.check.pass());
+  EXPECT_TRUE(coarse->file.check.valid);
+  EXPECT_TRUE(coarse->file.check.closed);
+  ASSERT_EQ(coarse->bodies.size(), 1U);
+  EXPECT_LT(coarse->facets, fine->facets);
+
+  const Progress cancel([](double, std::string_view) { return false; });
+  const Result<FacetAttempt> cancelled =
+      facetBody(body, options, phi, *check, Deadline(60), cancel);
+  ASSERT_FALSE(cancelled);
+  EXPECT_EQ(cancelled.error().code, ErrorCode::Cancelled);
 }
 
 TEST(JoinNearBodies, PutsTogetherWhatGrowsTogether) {

@@ -97,7 +97,7 @@ TEST(IsoSurface, FindsSheetsThinnerThanTheGrid) {
   const IsoSurface iso = isoOf(surface, -0.0485, 1, 0.014);
   expectSound(surface, iso, -0.0485);
   EXPECT_TRUE(iso.refined);
-  EXPECT_LT(iso.spacing, 0.014);
+  EXPECT_LT(iso.finestSpacing, 0.014);
   EXPECT_NEAR(signedVolume(iso.mesh) / (0.303 * 0.203 * 0.003), 1, 1e-2);
   EXPECT_EQ(diagnose(iso.mesh).components, 1);
 }

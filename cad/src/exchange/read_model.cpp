@@ -16,6 +16,9 @@
 namespace phront::cad {
 namespace {
 
+// Of a STEP file of planar facets, the slowest kind; half of this was seen.
+constexpr double kSecondsPerMegabyte = 1;
+
 Result<void> validate(const ReadOptions& options) {
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
   const char* bad = !positive(options.timeLimit)                  ? "timeLimit"
@@ -46,7 +49,11 @@ Result<Model> readModel(const std::filesystem::path& path, const ReadOptions& op
   const auto file = openCadFile(path, options.memoryLimit);
   if (!file) return tl::unexpected<Error>(file.error());
   const std::string what = "reading " + path.filename().string();
-  const GuardLimits limits{.seconds = options.timeLimit, .memoryMiB = options.memoryLimit};
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  const double megabytes = unknown ? 0 : 1e-6 * static_cast<double>(size);
+  const GuardLimits limits{.seconds = options.timeLimit + kSecondsPerMegabyte * megabytes,
+                           .memoryMiB = options.memoryLimit};
   const auto bytes = runInChild(what, limits, [&]() -> Result<std::string> {
     auto loaded = loadCadFile(path, *file);
     if (!loaded) return unreadable(path, loaded.error().message);

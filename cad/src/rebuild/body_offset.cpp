@@ -42,16 +42,12 @@ constexpr double kOnlyAttemptsShare = 0.9;
 constexpr double kSheetAttemptShare = 0.35;
 constexpr double kTessellateShare = 0.3;
 constexpr double kMostTessellateSeconds = 45;
-// Of the front: first, when all else is still to come; and when only facets follow.
-constexpr double kFirstFrontShare = 0.25;
-constexpr double kLateFrontShare = 0.5;
+constexpr double kFrontShare = 0.25;
 // Bounds of the seconds for one measurement of the result.
 constexpr double kLeastSeconds = 3;
 constexpr double kCheckSeconds = 40;
 constexpr double kLeastMitreSeconds = 10;
-// Nodes up to which the front is refined for thin features: for facets; and where it decides that
-// nothing is left.
-constexpr std::int64_t kFacetNodes = 150'000;
+// Nodes up to which the front is refined for thin features where it decides that nothing is left.
 constexpr std::int64_t kEmptyNodes = 2'500'000;
 
 class StageClock {
@@ -95,14 +91,12 @@ Body withElementarySurfaces(const Body& body, double distance, std::vector<std::
   return healed;
 }
 
-// The front, refined far only where it decides whether anything is left.
+// The front, refined only where it decides whether anything is left.
 Result<IsoSurface> frontOf(const TrueDistance& phi, const OffsetOptions& options,
                            const Deadline& deadline, const Progress& progress) {
-  const double share = options.distance < 0 ? kFirstFrontShare : kLateFrontShare;
-  const double seconds = share * deadline.left();
-  const Deadline end(seconds);
+  const Deadline end(kFrontShare * deadline.left());
   Result<IsoSurface> front =
-      makeFront(phi.surface(), options.distance, options.threads, {kFacetNodes, seconds}, progress);
+      makeFront(phi.surface(), options.distance, options.threads, {0, end.left()}, progress);
   if (!front || !front->mesh.triangles.empty() || !front->unresolved) return front;
   return makeFront(phi.surface(), options.distance, options.threads, {kEmptyNodes, end.left()},
                    progress);
@@ -141,9 +135,9 @@ class BodyOffsetter {
     bool facetsMayFollow = body_.kind == BodyKind::Solid && phi->surface().closed();
     // Inwards nothing may be left, which the front knows soonest.
     if (facetsMayFollow && options_.distance < 0) {
-      if (Result<void> found = findFront(*phi, 0.1, 0.3); !found)
-        return tl::unexpected(found.error());
-      if (front_ && front_->mesh.triangles.empty()) {
+      const Result<bool> empty = seemsEmpty(*phi);
+      if (!empty) return tl::unexpected(empty.error());
+      if (*empty) {
         if (provenEmpty()) return std::move(result_);
         facetsMayFollow = false;  // a rest thinner than the grid: exact patches may still find it
       }
@@ -157,12 +151,8 @@ class BodyOffsetter {
       return finish();
     }
     if (facetsMayFollow) {
-      if (options_.distance > 0) {
-        if (Result<void> found = findFront(*phi, 0.8, 0.9); !found)
-          return tl::unexpected(found.error());
-      }
-      if (!progress_.part(0.9, 1, "facets").report(0)) return cancelled();
-      useFacets(*phi);
+      if (Result<void> found = useFacets(healed, *phi); !found)
+        return tl::unexpected(found.error());
     } else if (body_.kind == BodyKind::Sheet) {
       if (Result<void> found = useTrimmedFaces(healed, *phi); !found)
         return tl::unexpected(found.error());
@@ -191,16 +181,15 @@ class BodyOffsetter {
     return std::move(result_);
   }
 
-  /// The front, if there is time for one.
-  Result<void> findFront(const TrueDistance& phi, double from, double to) {
-    Result<IsoSurface> made = frontOf(phi, options_, deadline_, progress_.part(from, to, "front"));
+  /// True when the front says so.
+  Result<bool> seemsEmpty(const TrueDistance& phi) {
+    const Result<IsoSurface> front =
+        frontOf(phi, options_, deadline_, progress_.part(0.1, 0.3, "front"));
     clock_.lap("front");
-    if (!made && made.error().code == ErrorCode::Cancelled) return tl::unexpected(made.error());
-    if (made)
-      front_ = std::move(*made);
-    else
-      report().attempts.push_back(made.error().message);
-    return {};
+    if (front) return front->mesh.triangles.empty();
+    if (front.error().code == ErrorCode::Cancelled) return tl::unexpected(front.error());
+    report().attempts.push_back(front.error().message);
+    return false;
   }
 
   bool provenEmpty() {
@@ -274,16 +263,20 @@ class BodyOffsetter {
     report().exactFaces = report().check.faces - report().fittedFaces - report().facetedFaces;
   }
 
-  void useFacets(const TrueDistance& phi) {
-    FacetAttempt facets =
-        facetBody(body_, options_, phi, *check_, front_ ? &*front_ : nullptr, deadline_);
-    report().setting = "facets of the iso-surface";
-    report().check = std::move(facets.check);
-    report().facetedFaces = facets.facets;
-    report().exactFaces = facets.planarFaces;
-    report().kind = report().check.pass() ? OffsetKind::Faceted : OffsetKind::Failed;
-    result_.bodies = std::move(facets.bodies);
+  Result<void> useFacets(const Body& healed, const TrueDistance& phi) {
+    Result<FacetAttempt> facets =
+        facetBody(healed, options_, phi, *check_, deadline_, progress_.part(0.8, 1, "facets"));
     clock_.lap("facets");
+    if (!facets) return tl::unexpected(facets.error());
+    report().setting = "facets of the iso-surface";
+    report().reach = facets->reach;
+    report().check = std::move(facets->file.check);
+    report().checkedFile = facets->file.fingerprint;
+    report().facetedFaces = facets->facets;
+    report().exactFaces = facets->planarFaces;
+    report().kind = report().check.pass() ? OffsetKind::Faceted : OffsetKind::Failed;
+    result_.bodies = std::move(facets->bodies);
+    return {};
   }
 
   Result<void> useTrimmedFaces(const Body& healed, const TrueDistance& phi) {
@@ -314,7 +307,6 @@ class BodyOffsetter {
   BodyOffset result_;
   StageClock clock_;
   std::optional<BodyCheck> check_;
-  std::optional<IsoSurface> front_;
   bool mitreTried_ = false;
 };
 

@@ -24,7 +24,6 @@
 #include <limits>
 #include <map>
 #include <numbers>
-#include <numeric>
 
 #include "exchange/guard.h"
 
@@ -154,27 +153,30 @@ TopoDS_Face makeFace(const FacetPolygon& polygon, const FacetedSurface& facets,
   return face;
 }
 
-/// Number of the shell of each polygon: connected over sides, numbered by first polygon.
-std::vector<Index> shellOfPolygon(std::size_t count, const Sides& sides, Index& shells) {
-  std::vector<Index> parent(count);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](Index i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+/// The polygons of each shell. Each follows one that it shares a side with: readers that put shells
+/// together face by face need one pass then, and one for every few faces in any other order.
+std::vector<std::vector<Index>> shellsOf(std::size_t count, const Sides& sides) {
+  std::vector<std::vector<Index>> beside(count);
   for (const Side& side : sides.all) {
-    const Index a = root(side.forward);
-    const Index b = root(side.backward);
-    parent[std::max(a, b)] = std::min(a, b);
+    beside[static_cast<std::size_t>(side.forward)].push_back(side.backward);
+    beside[static_cast<std::size_t>(side.backward)].push_back(side.forward);
   }
-  std::vector<Index> shell(count, kNone);
-  shells = 0;
+  std::vector<std::vector<Index>> shells;
+  std::vector<char> taken(count, 0);
   for (std::size_t i = 0; i < count; ++i) {
-    const Index r = root(static_cast<Index>(i));
-    if (shell[r] == kNone) shell[r] = shells++;
-    shell[i] = shell[r];
+    if (taken[i] != 0) continue;
+    std::vector<Index> shell{static_cast<Index>(i)};
+    taken[i] = 1;
+    for (std::size_t at = 0; at < shell.size(); ++at) {
+      for (const Index next : beside[static_cast<std::size_t>(shell[at])]) {
+        if (taken[static_cast<std::size_t>(next)] != 0) continue;
+        taken[static_cast<std::size_t>(next)] = 1;
+        shell.push_back(next);
+      }
+    }
+    shells.push_back(std::move(shell));
   }
-  return shell;
+  return shells;
 }
 
 /// Calls visit(a, b, c) for the triangles of a fan over each loop: together they bound what the
@@ -258,12 +260,7 @@ Result<TopoDS_Shape> build(const FacetedSurface& facets) {
   if (!sides) return tl::unexpected<Error>(sides.error());
   makeEdges(facets, *sides);
 
-  Index shellCount = 0;
-  const std::vector<Index> shellOf = shellOfPolygon(facets.polygons.size(), *sides, shellCount);
-  std::vector<std::vector<Index>> shells(shellCount);
-  for (std::size_t i = 0; i < shellOf.size(); ++i) {
-    shells[shellOf[i]].push_back(static_cast<Index>(i));
-  }
+  const std::vector<std::vector<Index>> shells = shellsOf(facets.polygons.size(), *sides);
   const std::vector<Index> owners = ownersOf(facets, shells);
 
   const BRep_Builder builder;

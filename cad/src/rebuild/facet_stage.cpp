@@ -14,21 +14,30 @@
 #include "rebuild/facet_bias.h"
 #include "rebuild/facet_solid.h"
 #include "rebuild/front_stage.h"
+#include "tessellate/body_distance.h"
 
 namespace phront::cad {
 namespace {
 
 // Deviation at which facets are chosen, as a share of the tolerance. The tolerance bounds a 99th
 // percentile; this bounds the bulk.
-constexpr double kShareOfTolerance = 0.8;
+constexpr double kShareOfTolerance = 0.85;
+constexpr Index kMostFacets = 60'000;
 constexpr double kMemoryMiB = 4000;
+// The level: where fronts just meet at d they leave a gap here, and the grid sees it. It spends
+// less than a tenth of the tolerance.
+constexpr double kReach = 0.9992;
+// The part's triangles are so much finer than for exact patches: facets have nothing truer.
+constexpr double kFineness = 2;
+// The front: nodes, the deviation at creases in |d|, and its share of the time left.
+constexpr std::int64_t kFrontNodes = 1'000'000;
+constexpr double kCreaseTolerance = 0.03;
+constexpr double kFrontShare = 0.5;
+constexpr double kLeastFrontSeconds = 15;
 // Seconds for making facets and for one measurement: share of the time left, least and most.
 constexpr double kTimeShare = 0.6;
-constexpr double kLeastSeconds = 5;
+constexpr double kLeastSeconds = 15;
 constexpr double kMostSeconds = 40;
-// A finer front is worth it with so much time left.
-constexpr double kWorthSeconds = 15;
-constexpr std::int64_t kFinerNodes = 600'000;
 // Coarse facets: some seconds whatever the part. The grid is no wider than the front is off the
 // part, else facets would cut through it.
 constexpr double kCoarseSpacing = 1.0 / 60;  // of the diagonal
@@ -68,51 +77,48 @@ Result<std::string> makeFacetSolid(double distance, const FacetOptions& options,
 
 class FacetStage {
  public:
-  FacetStage(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-             const BodyCheck& check, const Deadline& deadline)
-      : body_(body), options_(options), phi_(phi), check_(check), deadline_(deadline) {
+  FacetStage(const OffsetOptions& options, const TrueDistance& phi, const BodyCheck& check,
+             const Deadline& deadline, std::string name)
+      : options_(options), phi_(phi), check_(check), deadline_(deadline), name_(std::move(name)) {
     facetOptions_.tolerance = kShareOfTolerance * *options.tolerance;
+    facetOptions_.maxFacets = kMostFacets;
     facetOptions_.planeOfFace = planesOf(phi.tessellation().features);
     facetOptions_.threads = 1;  // a guarded child starts no thread
   }
 
-  FacetAttempt run(const IsoSurface* front) {
-    FacetAttempt best = nothing("there is no front to make facets of");
-    if (front != nullptr) best = attempt(*front);
-    if (front != nullptr && !best.check.pass() && front->unresolved &&
-        deadline_.left() > kWorthSeconds) {
-      const Result<IsoSurface> finer =
-          makeFront(phi_.surface(), options_.distance, options_.threads,
-                    {kFinerNodes, 0.5 * deadline_.left()}, {});
-      if (finer) {
-        FacetAttempt again = attempt(*finer);
-        if (again.check.pass() || best.bodies.empty()) best = std::move(again);
-      }
+  Result<FacetAttempt> run(const Progress& progress) {
+    const double level = kReach * options_.distance;
+    FrontBounds bounds;
+    bounds.nodes = kFrontNodes;
+    bounds.seconds = std::max(kLeastFrontSeconds, kFrontShare * deadline_.left());
+    bounds.creaseTolerance = kCreaseTolerance * std::abs(level);
+    const Result<IsoSurface> front =
+        makeFront(phi_.surface(), level, options_.threads, bounds, progress);
+    if (!front && front.error().code == ErrorCode::Cancelled) {
+      return tl::unexpected(front.error());
     }
-    if (best.bodies.empty()) {
-      FacetAttempt coarse = attemptCoarse();
-      if (!coarse.bodies.empty()) {
-        coarse.check.reasons.insert(coarse.check.reasons.begin(), best.check.reasons.begin(),
-                                    best.check.reasons.end());
-        return coarse;
-      }
-    }
-    return best;
+    FacetAttempt best = front ? attempt(*front, level) : nothing(front.error().message);
+    if (!best.bodies.empty()) return best;
+    FacetAttempt coarse = attemptCoarse();
+    if (coarse.bodies.empty()) return best;
+    std::vector<std::string>& reasons = coarse.file.check.reasons;
+    reasons.insert(reasons.begin(), best.file.check.reasons.begin(), best.file.check.reasons.end());
+    return coarse;
   }
 
  private:
   static FacetAttempt nothing(std::string why) {
     FacetAttempt none;
-    none.check = failedCheck(std::move(why));
+    none.file.check = failedCheck(std::move(why));
     return none;
   }
 
-  FacetAttempt attempt(const IsoSurface& front) const {
+  FacetAttempt attempt(const IsoSurface& front, double level) const {
     FacetAttempt made;
     const Result<std::string> bytes =
         runInChild("facets of the iso-surface",
                    {deadline_.forStep(kTimeShare, kLeastSeconds, kMostSeconds), kMemoryMiB},
-                   [&] { return makeFacetSolid(options_.distance, facetOptions_, phi_, front); });
+                   [&] { return makeFacetSolid(level, facetOptions_, phi_, front); });
     if (!bytes) return nothing(bytes.error().message);
     const std::size_t headerEnd = bytes->find('\n');
     std::istringstream header(bytes->substr(0, headerEnd));
@@ -121,9 +127,10 @@ class FacetStage {
     made.planarFaces = total - made.facets;
     const Result<TopoDS_Shape> solid = shapeOfBytes(std::string_view(*bytes).substr(headerEnd + 1));
     if (!solid) return nothing(solid.error().message);
-    made.bodies = bodiesOf(*solid, BodyKind::Solid, body_.name);
-    made.check =
-        check_.inMemory(made.bodies, options_, deadline_.forStep(1, kLeastSeconds, kMostSeconds));
+    made.reach = level / options_.distance;
+    made.bodies = bodiesOf(*solid, BodyKind::Solid, name_);
+    made.file =
+        check_.fromFile(made.bodies, options_, deadline_.forStep(1, kLeastSeconds, kMostSeconds));
     return made;
   }
 
@@ -140,22 +147,26 @@ class FacetStage {
     if (!front) return nothing(front.error().message);
     facetOptions_.tolerance = kCoarseTolerance * std::abs(options_.distance);
     facetOptions_.maxFacets = kCoarseFacets;
-    return attempt(*front);
+    return attempt(*front, options_.distance);
   }
 
-  const Body& body_;
   const OffsetOptions& options_;
   const TrueDistance& phi_;
   const BodyCheck& check_;
   const Deadline& deadline_;
+  const std::string name_;
   FacetOptions facetOptions_;
 };
 
 }  // namespace
 
-FacetAttempt facetBody(const Body& body, const OffsetOptions& options, const TrueDistance& phi,
-                       const BodyCheck& check, const IsoSurface* front, const Deadline& deadline) {
-  return FacetStage(body, options, phi, check, deadline).run(front);
+Result<FacetAttempt> facetBody(const Body& healed, const OffsetOptions& options,
+                               const TrueDistance& phi, const BodyCheck& check,
+                               const Deadline& deadline, const Progress& progress) {
+  const Result<TrueDistance> fine =
+      distanceOf(healed, options.distance,
+                 deadline.forStep(kTimeShare, kLeastSeconds, kMostSeconds), kFineness);
+  return FacetStage(options, fine ? *fine : phi, check, deadline, healed.name).run(progress);
 }
 
 }  // namespace phront::cad

@@ -1,31 +1,31 @@
 // The iso-surface itself becomes the solid: the last resort, closed whatever the part is like.
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "deadline.h"
 #include "judge/check_body.h"
 #include "phront/cad/offset_shape.h"
-#include "phront/iso_surface.h"
+#include "phront/progress.h"
+#include "phront/status.h"
 #include "tessellate/true_distance.h"
 
 namespace phront::cad {
 
 struct FacetAttempt {
-  std::vector<Body> bodies;  ///< empty: no solid could be made, `check` says why
+  std::vector<Body> bodies;  ///< empty: no solid could be made, the check says why
+  double reach = 1;          ///< made at so many times the distance
   int planarFaces = 0;       ///< offsets of planar faces, one polygon each
   int facets = 0;            ///< planar facets that stand in for curved offset surfaces
-  CheckResult check;         ///< against the body as read
+  FileCheck file;            ///< against the body as read
 };
 
-/// Facets of the front, checked; when they do not pass and the front hides thin features, of a
-/// finer one; when there is no solid at all, coarse facets far off the tolerance, which then fail
-/// their check but are valid and closed. The best of them comes back. Without a front (null) only
-/// the coarse ones are made. Guarded; bounded by the deadline.
-[[nodiscard]] FacetAttempt facetBody(const Body& body, const OffsetOptions& options,
-                                     const TrueDistance& phi, const BodyCheck& check,
-                                     const IsoSurface* front, const Deadline& deadline);
+/// Facets of the front, checked; when there is no solid at all, coarse facets far off the
+/// tolerance, which then fail their check but are valid and closed. `healed` is the body that `phi`
+/// measures. Guarded; bounded by the deadline. Fails with Cancelled only.
+[[nodiscard]] Result<FacetAttempt> facetBody(const Body& healed, const OffsetOptions& options,
+                                             const TrueDistance& phi, const BodyCheck& check,
+                                             const Deadline& deadline, const Progress& progress);
 
 }  // namespace phront::cad

@@ -17,6 +17,7 @@ Result<IsoSurface> makeFront(const SurfaceDistance& surface, double level, int t
   IsoSurfaceOptions options;
   options.level = level;
   options.mostRefinedNodes = bounds.nodes;
+  options.creaseTolerance = bounds.creaseTolerance;
   options.mostSquares = kMostSquares;
   options.threads = threads;
   const Deadline deadline(bounds.seconds);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "phront/iso_surface.h"
 #include "phront/progress.h"
@@ -12,6 +13,8 @@ namespace phront::cad {
 struct FrontBounds {
   std::int64_t nodes = 0;  ///< features thinner than the grid are resolved up to so many nodes
   double seconds = 0;
+  /// Of triangles at creases, mm, up to the same number of nodes.
+  double creaseTolerance = std::numeric_limits<double>::infinity();
 };
 
 /// The front `level` of a closed surface. Out of time while it resolves thin features: the front

@@ -27,10 +27,11 @@ double deflectionFor(const Body& body, double distance) {
 
 }  // namespace
 
-Result<TrueDistance> distanceOf(const Body& body, double distance, double seconds) {
+Result<TrueDistance> distanceOf(const Body& body, double distance, double seconds,
+                                double fineness) {
   TessellateOptions tessellation;
   tessellation.distance = std::abs(distance);
-  tessellation.deflection = deflectionFor(body, distance);
+  tessellation.deflection = deflectionFor(body, distance) / fineness;
   tessellation.smoothTolerance = tessellation.deflection;
   tessellation.timeLimit = seconds;
   Result<Tessellation> mesh = tessellate(body, tessellation);

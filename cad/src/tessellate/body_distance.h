@@ -6,7 +6,9 @@
 namespace phront::cad {
 
 /// Tessellates the body (in a guarded child, `seconds` for one try) finely enough for offsets by
-/// `distance`. Fails with UnreadableInput and a sentence for the user, ResourceLimit.
-[[nodiscard]] Result<TrueDistance> distanceOf(const Body& body, double distance, double seconds);
+/// `distance`, or `fineness` times as fine. Fails with UnreadableInput and a sentence for the user,
+/// ResourceLimit.
+[[nodiscard]] Result<TrueDistance> distanceOf(const Body& body, double distance, double seconds,
+                                              double fineness = 1);
 
 }  // namespace phront::cad

@@ -20,8 +20,10 @@ struct IsoSurfaceOptions {
   /// The automatic spacing spreads no more squares than this over the surface's area, whatever |d|
   /// asks for: work grows with area / h^2. largestSpacing goes first.
   double mostSquares = std::numeric_limits<double>::infinity();
-  /// Grids are halved for features thinner than h as long as the halved one has fewer nodes: about
-  /// 3 microseconds each. Whatever this says, the first grid is made.
+  /// Cells at creases are halved where triangles miss the level by more than this, model units.
+  double creaseTolerance = std::numeric_limits<double>::infinity();
+  /// Cells are halved, there and around features thinner than they are, as long as the grid has
+  /// fewer nodes than this: about 3 microseconds each. Whatever it says, the first grid is made.
   std::int64_t mostRefinedNodes = 12'000'000;
   int threads = 0;  ///< 0: all cores
 };
@@ -32,9 +34,10 @@ struct IsoSurface {
   TriMesh mesh;                     ///< faceOf: index into `labels` of each triangle
   std::vector<Feature> labels;      ///< features of the input that occur, sorted
   std::vector<Index> labelOfPoint;  ///< label (into `labels`) of each point's foot
-  double spacing = 0;               ///< h that was used
+  double spacing = 0;               ///< h of the grid
+  double finestSpacing = 0;         ///< of its smallest cells, around thin features
   double maxResidual = 0;           ///< measured max |phi - d| over the points
-  bool refined = false;             ///< cells thinner than h were met and resolved
+  bool refined = false;             ///< cells were halved
   bool unresolved = false;          ///< the same, but a finer grid was not allowed
 };
 

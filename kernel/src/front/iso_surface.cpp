@@ -31,14 +31,19 @@ constexpr double kOrdinarySpacing = 1.0 / 160;
 constexpr double kFinestSpacing = 1.0 / 400;
 // Nodes of one grid: about 150 bytes each with their cells, and some 3 microseconds.
 constexpr std::int64_t kMaxNodes = 12'000'000;
-// Halvings for thin features: always, and as long as the next grid stays below kCheapNodes.
-constexpr int kHalvings = 3;
-constexpr int kCheapHalvings = 8;
+// Nodes up to which a grid costs next to nothing to make finer.
 constexpr std::int64_t kCheapNodes = 400'000;
-// Half the thickness worth a halving: what the last one resolves, in first spacings; where halving
-// is cheap, in spacings of the grid at hand.
-constexpr double kOrdinaryDepth = 1.0 / 16;
+// Half the thickness worth a finer grid, in spacings: of the grid as first made; where that is
+// cheap, of the finest cells.
+constexpr double kDepth = 1.0 / 64;
+constexpr double kDepthOfLevel = 5e-4;  // of |d|, whatever the spacing
 constexpr double kCheapDepth = 2e-3;
+// Levels that are split without looking at the surface in between, and the hidden cells up to which
+// that is done.
+constexpr int kLevelsAtOnce = 3;
+constexpr std::size_t kFewHidden = 300;
+constexpr int kMostRounds = 16;
+constexpr int kCrumbHalvings = 8;
 // Triangles below which a result is coarse.
 constexpr std::size_t kCrumbTriangles = 3000;
 constexpr int kUnfoldRounds = 5;
@@ -75,15 +80,54 @@ bool isGivenUp(const Error& error) {
   return error.code == ErrorCode::ResourceLimit || error.code == ErrorCode::Cancelled;
 }
 
-/// One extraction at one spacing.
+/// Half the thickness of features that are worth a finer grid.
+double worthwhileDepth(const LevelGrid& grid) {
+  if (4 * static_cast<std::int64_t>(grid.nodes().size()) < kCheapNodes) {
+    return kCheapDepth * grid.finestSpacing();
+  }
+  return std::min(kDepth * grid.spacing(), kDepthOfLevel * std::abs(grid.level()));
+}
+
+std::vector<Index> cellsOf(const std::vector<ThinFeature>& features) {
+  std::vector<Index> cells;
+  for (const ThinFeature& feature : features) cells.push_back(feature.quietCell);
+  return cells;
+}
+
+void keepDivisible(const LevelGrid& grid, std::vector<Index>& quietCells) {
+  std::erase_if(quietCells, [&](Index q) {
+    return !grid.canSplit(grid.quietCells()[static_cast<std::size_t>(q)]);
+  });
+}
+
+/// Splits cells; where that makes few that hide features again these as well, some levels down:
+/// cheaper than to extract the surface each time only to learn that it still misses them.
+Result<void> splitDown(LevelGrid& grid, const SurfaceDistance& surface,
+                       std::span<const Index> deviating, std::vector<Index> hidden,
+                       const LevelGridOptions& options, const Progress& progress) {
+  for (int level = 0; level < kLevelsAtOnce; ++level) {
+    const std::span<const Index> crossed = level == 0 ? deviating : std::span<const Index>();
+    if (auto split = grid.split(surface, crossed, hidden, options, progress); !split) return split;
+    hidden = cellsOf(findThinFeatures(surface, grid, worthwhileDepth(grid), SearchIn::PendingCells,
+                                      options.threads));
+    keepDivisible(grid, hidden);
+    if (hidden.empty() || hidden.size() > kFewHidden) break;
+  }
+  return {};
+}
+
+/// One extraction on one grid.
 class Extraction {
  public:
   Extraction(const SurfaceDistance& surface, const LocalFoot& local, const LevelGrid& grid,
              int threads)
-      : surface_(surface), grid_(grid), threads_(threads), placer_(surface, grid, local) {}
+      : surface_(surface),
+        grid_(grid),
+        threads_(threads),
+        topology_(isoTopology(surface, grid, threads)),
+        placer_(surface, grid, topology_, local) {}
 
   Result<IsoSurface> run(const Progress& progress) {
-    topology_ = isoTopology(surface_, grid_, threads_);
     vertices_.resize(topology_.sites.size());
     const auto count = static_cast<std::int64_t>(vertices_.size());
     constexpr std::int64_t kSlices = 16;  // cancellable between slices
@@ -105,7 +149,47 @@ class Extraction {
     return assemble();
   }
 
+  /// Cells at creases where the triangles miss the level by more than `tolerance`: they hold more
+  /// than one vertex can show. Chords of smooth faces do not count.
+  [[nodiscard]] std::vector<Index> deviatingCells(double tolerance) const {
+    std::vector<char> deviates(triangles_.size(), 0);
+    parallelFor(static_cast<std::int64_t>(triangles_.size()), threads_, kGrain,
+                [&](std::int64_t begin, std::int64_t end) {
+                  for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end);
+                       ++i) {
+                    deviates[i] = missesLevel(triangles_[i], tolerance) ? 1 : 0;
+                  }
+                });
+    std::vector<Index> cells;
+    for (std::size_t i = 0; i < triangles_.size(); ++i) {
+      if (deviates[i] == 0) continue;
+      for (const Index v : triangles_[i]) {
+        cells.push_back(topology_.sites[static_cast<std::size_t>(v)].cell);
+      }
+    }
+    std::ranges::sort(cells);
+    const auto rest = std::ranges::unique(cells);
+    cells.erase(rest.begin(), rest.end());
+    return cells;
+  }
+
  private:
+  [[nodiscard]] bool missesLevel(const Triangle& t, double tolerance) const {
+    std::array<const IsoVertex*, 3> v{};
+    for (std::size_t k = 0; k < 3; ++k) v[k] = &vertices_[static_cast<std::size_t>(t[k])];
+    const Feature first = surface_.featureOf(v[0]->foot);
+    const bool smooth = std::ranges::all_of(
+        v, [&](const IsoVertex* p) { return !p->crease && surface_.featureOf(p->foot) == first; });
+    if (smooth) return false;
+    const auto misses = [&](const Vec3& x) {
+      const double phi = surface_.footFrom(x, v[0]->foot.triangle).phi();
+      return std::abs(phi - grid_.level()) > tolerance;
+    };
+    return misses((v[0]->point + v[1]->point + v[2]->point) / 3) ||
+           misses((v[0]->point + v[1]->point) / 2) || misses((v[1]->point + v[2]->point) / 2) ||
+           misses((v[2]->point + v[0]->point) / 2);
+  }
+
   void unfold() {
     std::vector<char> safe(vertices_.size(), 0);
     for (int round = 0;; ++round) {
@@ -147,6 +231,7 @@ class Extraction {
   IsoSurface assemble() const {
     IsoSurface out;
     out.spacing = grid_.spacing();
+    out.finestSpacing = grid_.finestSpacing();
     std::vector<Index> numberOf(vertices_.size(), kNone);
     std::vector<Feature> ofPoint;
     for (const Triangle& t : triangles_) {
@@ -189,8 +274,8 @@ class Extraction {
   const SurfaceDistance& surface_;
   const LevelGrid& grid_;
   int threads_;
-  VertexPlacer placer_;
   IsoTopology topology_;
+  VertexPlacer placer_;
   std::vector<IsoVertex> vertices_;
   std::vector<Triangle> triangles_;
 };
@@ -205,46 +290,63 @@ Result<IsoSurface> isoSurface(const SurfaceDistance& surface, const IsoSurfaceOp
   gridOptions.spacing = options.spacing.value_or(automaticSpacing(surface, options));
   gridOptions.maxNodes = kMaxNodes;
   gridOptions.threads = options.threads;
-  const double firstSpacing = gridOptions.spacing;
   const LocalFoot local(surface);
-  bool refined = false;
   std::optional<IsoSurface> best;
-  for (int halving = 0;; ++halving) {
-    const double done = halving == 0 ? 0.0 : 0.5;
-    auto grid = LevelGrid::build(surface, gridOptions,
-                                 progress.part(done, done + 0.25, "iso-surface: field"));
-    if (!grid) {
-      // A finer grid was our own wish: what is there already stays the answer.
-      if (best && isGivenUp(grid.error())) return *best;
-      return tl::unexpected(grid.error());
-    }
-    auto surfaceHere = Extraction(surface, local, *grid, options.threads)
-                           .run(progress.part(done + 0.25, done + 0.5, "iso-surface: vertices"));
-    if (!surfaceHere) {
-      if (best && isGivenUp(surfaceHere.error())) return *best;
-      return tl::unexpected(surfaceHere.error());
-    }
-    surfaceHere->refined = refined;
-    best = std::move(*surfaceHere);
-    const auto nodes = static_cast<std::int64_t>(grid->nodes().size());
-    const bool cheap = 4 * nodes < kCheapNodes && halving < kCheapHalvings;
-    if (halving >= kHalvings && !cheap) return *best;
-    const double depth = cheap ? kCheapDepth * gridOptions.spacing : kOrdinaryDepth * firstSpacing;
-    // A small result on a grid chosen for the whole box: finer costs nothing.
-    const bool crumb = !options.spacing && cheap && !best->mesh.triangles.empty() &&
-                       best->mesh.triangles.size() < kCrumbTriangles;
-    const bool allowed = 4 * nodes <= options.mostRefinedNodes;
-    if (crumb && !allowed) return *best;
-    if (!crumb) {
-      const auto hidden = hidesThinFeature(surface, *grid, best->mesh, depth, options.threads);
-      if (!hidden) return tl::unexpected(hidden.error());
-      if (!*hidden) return *best;
-      best->unresolved = true;  // until the next grid resolves it
-      if (!allowed) return *best;
+  bool refined = false;
+  // A finer grid is our own wish: where it fails what is there already stays the answer.
+  const auto otherwise = [&](const Error& error) -> Result<IsoSurface> {
+    if (best && isGivenUp(error)) return std::move(*best);
+    return tl::unexpected(error);
+  };
+  std::optional<LevelGrid> grid;
+  std::vector<Index> hidden;
+  std::vector<Index> deviating;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const double done = round == 0 ? 0.0 : 0.5;
+    const Progress field = progress.part(done, done + 0.25, "iso-surface: field");
+    if (grid && !(hidden.empty() && deviating.empty())) {
+      gridOptions.maxNodes = options.mostRefinedNodes;
+      if (auto split = splitDown(*grid, surface, deviating, hidden, gridOptions, field); !split) {
+        return otherwise(split.error());
+      }
       refined = true;
+    } else {
+      auto made = LevelGrid::build(surface, gridOptions, field);
+      if (!made) return otherwise(made.error());
+      grid = std::move(*made);
     }
-    gridOptions.spacing /= 2;
+    Extraction extraction(surface, local, *grid, options.threads);
+    auto here = extraction.run(progress.part(done + 0.25, done + 0.5, "iso-surface: vertices"));
+    if (!here) return otherwise(here.error());
+    best = std::move(*here);
+    best->refined = refined;
+    const auto nodes = static_cast<std::int64_t>(grid->nodes().size());
+    hidden.clear();
+    deviating.clear();
+    // A small result on a grid chosen for the whole box: finer costs nothing.
+    const bool crumb = !options.spacing && !refined && 4 * nodes < kCheapNodes &&
+                       !best->mesh.triangles.empty() &&
+                       best->mesh.triangles.size() < kCrumbTriangles;
+    if (crumb && 4 * nodes <= options.mostRefinedNodes && round < kCrumbHalvings) {
+      gridOptions.spacing /= 2;
+      continue;
+    }
+    auto missed = missedFeatures(surface, *grid, best->mesh,
+                                 findThinFeatures(surface, *grid, worthwhileDepth(*grid),
+                                                  SearchIn::AllCells, options.threads),
+                                 options.threads);
+    if (!missed) return tl::unexpected(missed.error());
+    hidden = cellsOf(*missed);
+    deviating = extraction.deviatingCells(options.creaseTolerance);
+    best->unresolved = !hidden.empty();  // until a finer grid resolves it
+    keepDivisible(*grid, hidden);
+    std::erase_if(deviating, [&](Index c) {
+      return !grid->canSplit(grid->cells()[static_cast<std::size_t>(c)]);
+    });
+    if (hidden.empty() && deviating.empty()) break;
+    if (nodes >= options.mostRefinedNodes) break;
   }
+  return std::move(*best);
 }
 
 }  // namespace phront

@@ -1,17 +1,20 @@
 // Dual marching cubes (Nielson 2004): the crossings on a cell's edges are chained over the cell's
-// faces to loops; each loop gives one vertex, each crossed grid edge one quad around it.
+// sides to loops; each loop gives one vertex, each crossed edge one polygon around it.
 //
 // The dual of this is the polygon mesh of marching cubes, a closed manifold as long as neighbours
-// agree on each face; on a face with four crossings they ask phi at its centre. The dual of a
-// manifold is one, too, but in a mesh of indices two edges may join the same two vertices (Wenger
-// 2013): when both segments of such a face belong to one loop on both sides. Wenger flips the
-// face's decision; here each of the two edges gets a vertex of its own in the middle, which keeps
-// the topology that phi's sample asked for. Diagonals of quads never coincide: two cells that are
-// diagonal across a grid edge share just that edge.
+// agree on each side; on a side with four crossings they ask phi at its centre. Beside finer cells
+// the edges and sides are the smallest ones, which both neighbours see, so the same holds there;
+// edges between two cells of one size and a larger one give triangles.
+// The dual of a manifold is one, too, but in a mesh of indices two edges may join the same two
+// vertices (Wenger 2013): when both segments of such a side belong to one loop in both cells.
+// Wenger flips the side's decision; here each of the two edges gets a vertex of its own in the
+// middle, which keeps the topology that phi's sample asked for. Diagonals of quads never coincide:
+// two cells that are diagonal across an edge share just that edge, crossed once.
 #include "front/iso_topology.h"
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "base/parallel.h"
 
@@ -21,125 +24,166 @@ namespace {
 
 constexpr std::int64_t kGrain = 512;
 
-/// Loops of one cell.
+/// A shortest edge or smallest side: its lowest node and its axis tell it from all others.
+std::uint64_t keyOf(Index lowest, std::size_t axis) {
+  return 3 * static_cast<std::uint64_t>(lowest) + axis;
+}
+
+/// A crossing as one cell sees it.
+struct CellCrossing {
+  Crossing ends{};
+  std::size_t axis = 0;
+  int loop = -1;
+  std::array<int, 2> links{-1, -1};  // to the crossings that follow over the two sides around it
+
+  [[nodiscard]] std::uint64_t key() const { return keyOf(ends[0], axis); }
+};
+
+/// A side whose two segments belong to one loop.
+struct DoubledSide {
+  std::uint64_t side = 0;
+  std::array<std::array<Crossing, 2>, 2> segments{};
+};
+
 struct CellLoops {
-  std::array<std::int8_t, 12> loopOfEdge{};  // -1: not crossed
-  std::uint8_t count = 0;
-  std::uint8_t centreInside = 0;  // bit per face with four crossings: phi(centre) < level
-  std::uint8_t doubled = 0;       // bit per face: two segments of one loop
-};
-
-/// Corners of face 2a + side, in ring order around axis a.
-std::array<int, 4> cornersOfFace(int face) {
-  const int a = face / 2;
-  const int b = 1 << ((a + 1) % 3);
-  const int c = 1 << ((a + 2) % 3);
-  const int base = (face % 2) << a;
-  return {base, base + b, base + b + c, base + c};
-}
-
-/// Edges of a face; edge k joins ring corners k and k + 1.
-std::array<int, 4> edgesOfFace(int face) {
-  const int a = face / 2;
-  const int side = face % 2;
-  const int b = (a + 1) % 3;
-  const int c = (a + 2) % 3;
-  // Edge along b: its (b+1, b+2) are (c, a). Edge along c: its (c+1, c+2) are (a, b).
-  return {4 * b + 2 * side, 4 * c + side + 2, 4 * b + 1 + 2 * side, 4 * c + side};
-}
-
-/// For a face with four crossings: segment 0 holds ring edge 0, segment 1 ring edge 2. Cutting off
-/// the corners 1 and 3 pairs edges (0,1) and (2,3); cutting off 0 and 2 pairs (3,0) and (1,2).
-bool cutsOddCorners(bool ringCorner0Inside, bool centreInside) {
-  return ringCorner0Inside == centreInside;
-}
-
-bool insideAt(const GridCell& cell, int corner) { return ((cell.inside >> corner) & 1U) != 0; }
-
-/// Pairs of linked ring edges of a face; -1: none.
-struct Segments {
-  std::array<int, 2> first{-1, -1};
-  std::array<int, 2> second{-1, -1};
-};
-
-Segments segmentsOf(const GridCell& cell, int face, bool centreInside) {
-  const auto corners = cornersOfFace(face);
-  std::array<int, 4> crossed{};
+  std::vector<CellCrossing> crossings;
   int count = 0;
-  for (int k = 0; k < 4; ++k) {
-    const bool here = insideAt(cell, corners[static_cast<std::size_t>(k)]);
-    const bool next = insideAt(cell, corners[static_cast<std::size_t>((k + 1) % 4)]);
-    if (here != next) crossed[static_cast<std::size_t>(count++)] = k;
-  }
-  if (count == 2) return {{crossed[0], crossed[1]}, {-1, -1}};
-  if (count == 4) {
-    if (cutsOddCorners(insideAt(cell, corners[0]), centreInside)) return {{0, 1}, {2, 3}};
-    return {{0, 3}, {2, 1}};
-  }
-  return {};
-}
+  std::vector<DoubledSide> doubled;
+};
 
-CellLoops loopsOf(const SurfaceDistance& surface, const LevelGrid& grid, const GridCell& cell) {
-  CellLoops loops;
-  loops.loopOfEdge.fill(-1);
-  std::array<std::array<int, 2>, 12> link{};
-  for (auto& l : link) l = {-1, -1};
-  const auto connect = [&](int e, int f) {
-    for (const auto& [from, to] : {std::pair{e, f}, std::pair{f, e}}) {
-      auto& slots = link[static_cast<std::size_t>(from)];
-      (slots[0] < 0 ? slots[0] : slots[1]) = to;
+/// Chains the crossings of one cell.
+class LoopFinder {
+ public:
+  LoopFinder(const SurfaceDistance& surface, const LevelGrid& grid, const GridCell& cell)
+      : surface_(surface), grid_(grid), cell_(cell) {}
+
+  CellLoops run() {
+    for (std::size_t face = 0; face < 6; ++face) {
+      const std::size_t axis = face / 2;
+      GridIndex lower = cell_.lower;
+      if (face % 2 == 1) lower[axis] += cell_.size;
+      forSmallestSides(grid_, lower, cell_.size, axis, cell_.hanging,
+                       [&](const GridIndex& at, std::int32_t size) { chain(at, size, face); });
     }
+    number();
+    for (const Ambiguous& side : ambiguous_) {
+      const auto& [first, second] = side.segments;
+      if (crossing(first[0]).loop != crossing(second[0]).loop) continue;
+      DoubledSide doubled{side.key, {}};
+      for (std::size_t s = 0; s < 2; ++s) {
+        for (std::size_t end = 0; end < 2; ++end) {
+          doubled.segments[s][end] = crossing(side.segments[s][end]).ends;
+        }
+      }
+      loops_.doubled.push_back(doubled);
+    }
+    return std::move(loops_);
+  }
+
+ private:
+  struct Ambiguous {
+    std::uint64_t key = 0;
+    std::array<std::array<int, 2>, 2> segments{};
   };
-  unsigned ambiguous = 0;
-  for (int face = 0; face < 6; ++face) {
-    const auto corners = cornersOfFace(face);
-    const bool i0 = insideAt(cell, corners[0]);
-    const bool four = i0 == insideAt(cell, corners[2]) && i0 != insideAt(cell, corners[1]) &&
-                      i0 != insideAt(cell, corners[3]);
-    bool centreInside = false;
-    if (four) {
-      ambiguous |= 1U << face;
-      const auto a = static_cast<std::size_t>(face / 2);
-      Vec3 centre = grid.position(cell.lower) + Vec3::Constant(0.5 * grid.spacing());
-      GridIndex plane = cell.lower;  // one point for both cells, to the last bit
-      plane[a] += face % 2;
-      centre[static_cast<int>(a)] = grid.position(plane)[static_cast<int>(a)];
-      centreInside = surface.foot(centre).phi() < grid.level();
-      if (centreInside) loops.centreInside |= static_cast<std::uint8_t>(1U << face);
+
+  CellCrossing& crossing(int i) { return loops_.crossings[static_cast<std::size_t>(i)]; }
+
+  int numberOf(Index low, Index high, std::size_t axis) {
+    const auto found = std::ranges::find_if(loops_.crossings, [&](const CellCrossing& c) {
+      return c.ends[0] == low && c.axis == axis;
+    });
+    if (found != loops_.crossings.end()) {
+      return static_cast<int>(found - loops_.crossings.begin());
     }
-    const auto edges = edgesOfFace(face);
-    const Segments segments = segmentsOf(cell, face, centreInside);
-    for (const auto& s : {segments.first, segments.second}) {
-      if (s[0] < 0) continue;
-      connect(edges[static_cast<std::size_t>(s[0])], edges[static_cast<std::size_t>(s[1])]);
+    loops_.crossings.push_back({.ends = {low, high}, .axis = axis});
+    return static_cast<int>(loops_.crossings.size()) - 1;
+  }
+
+  void link(int a, int b) {
+    for (const auto& [from, to] : {std::pair{a, b}, std::pair{b, a}}) {
+      auto& links = crossing(from).links;
+      (links[0] < 0 ? links[0] : links[1]) = to;
     }
   }
-  for (int start = 0; start < 12; ++start) {
-    if (link[static_cast<std::size_t>(start)][0] < 0 ||
-        loops.loopOfEdge[static_cast<std::size_t>(start)] >= 0) {
-      continue;
+
+  /// Links the crossings on the border of a smallest side in pairs.
+  void chain(const GridIndex& lower, std::int32_t size, std::size_t face) {
+    const std::size_t axis = face / 2;
+    const std::size_t b = (axis + 1) % 3;
+    const std::size_t c = (axis + 2) % 3;
+    std::array<Index, 4> corner{};  // in ring order around the axis
+    for (std::size_t k = 0; k < 4; ++k) {
+      const bool upperB = k == 1 || k == 2;
+      const bool upperC = k == 2 || k == 3;
+      if (size == cell_.size) {
+        const std::size_t bits =
+            (face % 2) << axis | std::size_t{upperB} << b | std::size_t{upperC} << c;
+        corner[k] = cell_.node[bits];
+        continue;
+      }
+      GridIndex at = lower;
+      if (upperB) at[b] += size;
+      if (upperC) at[c] += size;
+      corner[k] = grid_.findNode(at);
     }
-    int previous = -1;
-    int edge = start;
-    do {
-      const auto e = static_cast<std::size_t>(edge);
-      loops.loopOfEdge[e] = static_cast<std::int8_t>(loops.count);
-      const int next = link[e][0] != previous ? link[e][0] : link[e][1];
-      previous = edge;
-      edge = next;
-    } while (loops.loopOfEdge[static_cast<std::size_t>(edge)] < 0);
-    ++loops.count;
-  }
-  for (int face = 0; face < 6; ++face) {
-    if (((ambiguous >> face) & 1U) == 0) continue;
-    const auto edges = edgesOfFace(face);
-    if (loops.loopOfEdge[static_cast<std::size_t>(edges[0])] ==
-        loops.loopOfEdge[static_cast<std::size_t>(edges[2])]) {
-      loops.doubled |= static_cast<std::uint8_t>(1U << face);
+    std::vector<int>& ring = ring_;
+    ring.clear();
+    for (std::size_t k = 0; k < 4; ++k) {
+      const std::size_t first = ring.size();
+      const std::size_t along = k % 2 == 0 ? b : c;
+      const Index low = corner[k < 2 ? k : (k + 1) % 4];
+      const Index high = corner[k < 2 ? k + 1 : k];
+      const auto visit = [&](Index from, Index to) {
+        if (grid_.inside(from) != grid_.inside(to)) ring.push_back(numberOf(from, to, along));
+      };
+      if (cell_.hanging) {
+        forShortestEdges(grid_, low, high, size, along, visit);
+      } else {
+        visit(low, high);
+      }
+      if (k >= 2) std::reverse(ring.begin() + static_cast<std::ptrdiff_t>(first), ring.end());
+    }
+    if (ring.size() == 2) link(ring[0], ring[1]);
+    if (ring.size() < 4) return;
+    // The runs of nodes of the other sign than the centre are cut off.
+    Vec3 centre = grid_.position(lower);
+    centre[static_cast<int>(b)] += 0.5 * grid_.length(size);
+    centre[static_cast<int>(c)] += 0.5 * grid_.length(size);
+    const bool centreInside = surface_.foot(centre).phi() < grid_.level();
+    const std::size_t start = grid_.inside(corner[0]) == centreInside ? 0 : 1;
+    for (std::size_t k = 0; k < ring.size(); k += 2) {
+      link(ring[start + k], ring[(start + k + 1) % ring.size()]);
+    }
+    if (ring.size() == 4) {
+      ambiguous_.push_back(
+          {keyOf(corner[0], axis),
+           {{{ring[start], ring[start + 1]}, {ring[start + 2], ring[(start + 3) % 4]}}}});
     }
   }
-  return loops;
-}
+
+  void number() {
+    for (int start = 0; start < static_cast<int>(loops_.crossings.size()); ++start) {
+      if (crossing(start).loop >= 0) continue;
+      int previous = -1;
+      int at = start;
+      do {
+        CellCrossing& here = crossing(at);
+        here.loop = loops_.count;
+        const int next = here.links[0] != previous ? here.links[0] : here.links[1];
+        previous = at;
+        at = next;
+      } while (crossing(at).loop < 0);
+      ++loops_.count;
+    }
+  }
+
+  const SurfaceDistance& surface_;
+  const LevelGrid& grid_;
+  const GridCell& cell_;
+  CellLoops loops_;
+  std::vector<Ambiguous> ambiguous_;
+  std::vector<int> ring_;
+};
 
 /// Assembles sites and polygons from the loops of all cells.
 class Assembler {
@@ -148,111 +192,120 @@ class Assembler {
       : grid_(grid), loops_(loops) {}
 
   IsoTopology run() {
-    const auto& cells = grid_.cells();
-    firstSite_.reserve(cells.size());
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      firstSite_.push_back(static_cast<Index>(out_.sites.size()));
-      for (int loop = 0; loop < loops_[i].count; ++loop) {
-        IsoSite site{static_cast<Index>(i), 0};
-        for (std::size_t e = 0; e < 12; ++e) {
-          if (loops_[i].loopOfEdge[e] == loop) {
-            site.edges = static_cast<std::uint16_t>(site.edges | (1U << e));
-          }
-        }
-        out_.sites.push_back(site);
-      }
-    }
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      for (int axis = 0; axis < 3; ++axis) addPolygon(static_cast<Index>(i), axis);
-    }
+    for (std::size_t i = 0; i < loops_.size(); ++i) addSites(static_cast<Index>(i));
+    for (const Edge& edge : edges_) addPolygon(edge);
     return std::move(out_);
   }
 
  private:
-  // The four cells around a grid edge, counter-clockwise around its axis, by how far the cell lies
-  // below the edge along the two other axes.
-  static constexpr std::array<std::array<int, 2>, 4> kRing{{{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
+  /// A crossed edge with the cells and their sites in its four quadrants, counter-clockwise around
+  /// its axis; a cell whose side it divides has two of them.
+  struct Edge {
+    Crossing ends{};
+    std::size_t axis = 0;
+    std::array<Index, 4> cell{kNone, kNone, kNone, kNone};
+    std::array<Index, 4> site{kNone, kNone, kNone, kNone};
+  };
 
-  void addPolygon(Index owner, int axis) {
-    const GridCell& cell = grid_.cells()[static_cast<std::size_t>(owner)];
-    const bool lowerInside = insideAt(cell, 0);
-    if (lowerInside == insideAt(cell, 1 << axis)) return;
-    std::array<Index, 4> around{};
-    std::array<int, 4> edgeIn{};
-    for (std::size_t k = 0; k < 4; ++k) {
-      GridIndex at = cell.lower;
-      at[static_cast<std::size_t>((axis + 1) % 3)] -= kRing[k][0];
-      at[static_cast<std::size_t>((axis + 2) % 3)] -= kRing[k][1];
-      around[k] = grid_.findCell(at);
-      if (around[k] == kNone) return;  // only on open shells, at their border
-      edgeIn[k] = 4 * axis + kRing[k][0] + 2 * kRing[k][1];
+  void addSites(Index number) {
+    const CellLoops& loops = loops_[static_cast<std::size_t>(number)];
+    for (int loop = 0; loop < loops.count; ++loop) {
+      const auto site = static_cast<Index>(out_.sites.size());
+      const auto first = static_cast<Index>(out_.crossings.size());
+      for (const CellCrossing& crossing : loops.crossings) {
+        if (crossing.loop != loop) continue;
+        out_.crossings.push_back(crossing.ends);
+        addToEdge(crossing, number, site);
+      }
+      const auto count = static_cast<Index>(out_.crossings.size()) - first;
+      out_.sites.push_back({number, first, count, loops.count == 1});
+    }
+  }
+
+  void addToEdge(const CellCrossing& crossing, Index number, Index site) {
+    const auto next = static_cast<Index>(edges_.size());
+    const Index at = edgeOf_.insert(crossing.key(), next);
+    if (at == next) edges_.push_back({.ends = crossing.ends, .axis = crossing.axis});
+    Edge& edge = edges_[static_cast<std::size_t>(at)];
+    const GridCell& cell = grid_.cells()[static_cast<std::size_t>(number)];
+    const GridIndex& low = grid_.indexOf(crossing.ends[0]);
+    const std::size_t u = (crossing.axis + 1) % 3;
+    const std::size_t v = (crossing.axis + 2) % 3;
+    // Upper and lower side of the edge that the cell covers.
+    const std::array<bool, 2> inU{low[u]<cell.lower[u] + cell.size, low[u]> cell.lower[u]};
+    const std::array<bool, 2> inV{low[v]<cell.lower[v] + cell.size, low[v]> cell.lower[v]};
+    static constexpr std::array<std::array<std::size_t, 2>, 4> kQuadrants{
+        {{1, 1}, {0, 1}, {0, 0}, {1, 0}}};
+    for (std::size_t q = 0; q < 4; ++q) {
+      if (!inU[kQuadrants[q][0]] || !inV[kQuadrants[q][1]]) continue;
+      edge.cell[q] = number;
+      edge.site[q] = site;
+    }
+  }
+
+  void addPolygon(const Edge& edge) {
+    if (std::ranges::find(edge.site, kNone) != edge.site.end()) return;  // borders of open shells
+    std::vector<std::size_t> around;                                     // a quadrant for each cell
+    for (std::size_t q = 0; q < 4; ++q) {
+      if (edge.cell[q] != edge.cell[(q + 3) % 4]) around.push_back(q);
     }
     std::vector<Index> ring;
-    std::size_t extra = 4;  // position of the first inserted site
-    for (std::size_t k = 0; k < 4; ++k) {
-      const auto c = static_cast<std::size_t>(around[k]);
-      ring.push_back(firstSite_[c] + loops_[c].loopOfEdge[static_cast<std::size_t>(edgeIn[k])]);
-      const Index middle = middleSite(around[k], around[(k + 1) % 4], axis, k, edgeIn[k]);
+    std::size_t extra = 8;  // position of the first inserted site
+    for (std::size_t k = 0; k < around.size(); ++k) {
+      ring.push_back(edge.site[around[k]]);
+      const Index middle =
+          middleSite(edge.cell[around[k]], edge.cell[around[(k + 1) % around.size()]], edge.ends);
       if (middle == kNone) continue;
-      if (extra == 4) extra = ring.size();
+      extra = std::min(extra, ring.size());
       ring.push_back(middle);
     }
+    const bool extended = extra < 8;
+    const bool lowerInside = grid_.inside(edge.ends[0]);
     if (!lowerInside) std::ranges::reverse(ring);
-    if (ring.size() == 4) {
+    if (ring.size() == 4 && !extended) {
       out_.quads.push_back({ring[0], ring[1], ring[2], ring[3]});
       return;
     }
-    const std::size_t start = lowerInside ? extra : ring.size() - 1 - extra;
-    std::ranges::rotate(ring, ring.begin() + static_cast<std::ptrdiff_t>(start));
+    if (extended) {
+      const std::size_t start = lowerInside ? extra : ring.size() - 1 - extra;
+      std::ranges::rotate(ring, ring.begin() + static_cast<std::ptrdiff_t>(start));
+    }
     out_.polygons.push_back(std::move(ring));
   }
 
-  /// The site between ring cells k and k + 1 when their common face is doubled on both sides.
-  Index middleSite(Index cell, Index next, int axis, std::size_t k, int edge) {
-    // Steps 0 and 2 of the ring go along axis + 1 (up, down), 1 and 3 along axis + 2.
-    const int along = (axis + 1 + static_cast<int>(k % 2)) % 3;
-    const int side = k < 2 ? 1 : 0;
-    const int face = 2 * along + side;
-    const int opposite = 2 * along + 1 - side;
-    const CellLoops& loops = loops_[static_cast<std::size_t>(cell)];
-    if (((loops.doubled >> face) & 1U) == 0) return kNone;
-    if (((loops_[static_cast<std::size_t>(next)].doubled >> opposite) & 1U) == 0) return kNone;
-    const GridCell& data = grid_.cells()[static_cast<std::size_t>(cell)];
-    const auto edges = edgesOfFace(face);
-    const Segments segments = segmentsOf(data, face, ((loops.centreInside >> face) & 1U) != 0);
-    const auto holds = [&](const std::array<int, 2>& s) {
-      return edges[static_cast<std::size_t>(s[0])] == edge ||
-             edges[static_cast<std::size_t>(s[1])] == edge;
-    };
-    const int segment = holds(segments.first) ? 0 : 1;
-    const auto& pair = segment == 0 ? segments.first : segments.second;
-    GridIndex plane = data.lower;
-    plane[static_cast<std::size_t>(along)] += side;
-    const auto key = std::tuple{packKey(plane), along, segment};
-    const auto found = middle_.find(key);
-    if (found != middle_.end()) return found->second;
-    const auto number = static_cast<Index>(out_.sites.size());
-    const unsigned mask = (1U << edges[static_cast<std::size_t>(pair[0])]) |
-                          (1U << edges[static_cast<std::size_t>(pair[1])]);
-    out_.sites.push_back({cell, static_cast<std::uint16_t>(mask)});
-    middle_.emplace(key, number);
-    return number;
+  /// The site between two cells around a crossed edge when their common side is doubled in both.
+  Index middleSite(Index cell, Index next, const Crossing& edge) {
+    const std::vector<DoubledSide>& here = loops_[static_cast<std::size_t>(cell)].doubled;
+    const std::vector<DoubledSide>& there = loops_[static_cast<std::size_t>(next)].doubled;
+    if (here.empty() || there.empty()) return kNone;
+    for (const DoubledSide& side : here) {
+      const bool common = std::ranges::any_of(
+          there, [&](const DoubledSide& other) { return other.side == side.side; });
+      if (!common) continue;
+      for (const auto& segment : side.segments) {
+        if (std::ranges::find(segment, edge) == segment.end()) continue;
+        const auto [at, isNew] = middle_.try_emplace({side.side, std::min(segment[0], segment[1])},
+                                                     static_cast<Index>(out_.sites.size()));
+        if (isNew) {
+          const auto first = static_cast<Index>(out_.crossings.size());
+          out_.crossings.insert(out_.crossings.end(), segment.begin(), segment.end());
+          out_.sites.push_back({cell, first, 2, false});
+        }
+        return at->second;
+      }
+    }
+    return kNone;
   }
 
   const LevelGrid& grid_;
   const std::vector<CellLoops>& loops_;
   IsoTopology out_;
-  std::vector<Index> firstSite_;
-  std::map<std::tuple<std::uint64_t, int, int>, Index> middle_;
+  std::vector<Edge> edges_;
+  KeyMap edgeOf_;
+  std::map<std::pair<std::uint64_t, Crossing>, Index> middle_;
 };
 
 }  // namespace
-
-std::array<int, 2> cornersOfEdge(int edge) {
-  const int a = edge / 4;
-  const int lower = ((edge & 1) << ((a + 1) % 3)) | (((edge >> 1) & 1) << ((a + 2) % 3));
-  return {lower, lower | (1 << a)};
-}
 
 IsoTopology isoTopology(const SurfaceDistance& surface, const LevelGrid& grid, int threads) {
   std::vector<CellLoops> loops(grid.cells().size());
@@ -260,7 +313,7 @@ IsoTopology isoTopology(const SurfaceDistance& surface, const LevelGrid& grid, i
               [&](std::int64_t begin, std::int64_t end) {
                 for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end);
                      ++i) {
-                  loops[i] = loopsOf(surface, grid, grid.cells()[i]);
+                  loops[i] = LoopFinder(surface, grid, grid.cells()[i]).run();
                 }
               });
   return Assembler(grid, loops).run();

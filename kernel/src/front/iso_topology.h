@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 #include <vector>
 
 #include "front/level_grid.h"
@@ -9,25 +10,33 @@
 
 namespace phront {
 
-/// One vertex of the iso-surface: a cell and the crossed edges its patch of the surface runs over.
-/// Edge 4a + u + 2v of a cell runs along axis a; u, v tell the upper side of axes a+1, a+2.
+/// Nodes at the ends of a crossed shortest edge, the lower one first.
+using Crossing = std::array<Index, 2>;
+
+/// One vertex of the iso-surface: a cell and the crossings that its patch of the surface runs over.
 struct IsoSite {
   Index cell = kNone;
-  std::uint16_t edges = 0;  ///< bit per edge of the cell
+  Index first = 0;  ///< into IsoTopology::crossings
+  Index count = 0;
+  bool alone = false;  ///< the cell has no other site
 };
 
-/// Polygons over sites; a closed manifold when every crossed edge has its four cells.
+/// Polygons over sites; a closed manifold when every crossed edge has its cells.
 struct IsoTopology {
   std::vector<IsoSite> sites;
+  std::vector<Crossing> crossings;
   std::vector<std::array<Index, 4>> quads;   ///< counter-clockwise seen from larger phi
-  std::vector<std::vector<Index>> polygons;  ///< the few with five to eight sites; the first one
-                                             ///< occurs in one other polygon only: fan from it
+  std::vector<std::vector<Index>> polygons;  ///< the few with three or five to eight sites; of the
+                                             ///< latter the first one occurs in one other polygon
+                                             ///< only: fan from it
+
+  [[nodiscard]] std::span<const Crossing> crossingsOf(const IsoSite& site) const {
+    return std::span(crossings).subspan(static_cast<std::size_t>(site.first),
+                                        static_cast<std::size_t>(site.count));
+  }
 };
 
 [[nodiscard]] IsoTopology isoTopology(const SurfaceDistance& surface, const LevelGrid& grid,
                                       int threads);
-
-/// Corners at the lower and the upper end of an edge of a cell.
-[[nodiscard]] std::array<int, 2> cornersOfEdge(int edge);
 
 }  // namespace phront

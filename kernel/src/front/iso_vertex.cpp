@@ -46,18 +46,20 @@ constexpr int kRounds = 8;
 
 /// What the crossed edges of a site tell.
 struct VertexPlacer::Crossings {
-  Vec3 lower;                    // corner of the cell
-  Vec3 mean = Vec3::Zero();      // of the linear crossings
-  std::array<Index, 8> nodes{};  // ends of the edges, each once
-  std::size_t edgeNodes = 0;     // those come first
-  std::size_t nodeCount = 0;     // further corners of the cell where it has this site only
-  std::array<Index, 2> edge{};   // ends of the edge whose crossing is next to the mean
+  Vec3 lower;                // corner of the cell
+  double h = 0;              // its side
+  Vec3 mean = Vec3::Zero();  // of the linear crossings
+  std::vector<Index> nodes;  // ends of the edges, each once; where the cell has this site only all
+                             // corners follow
+  std::size_t edgeNodes = 0;
+  Crossing edge{};  // the one next to the mean
 };
 
 VertexPlacer::VertexPlacer(const SurfaceDistance& surface, const LevelGrid& grid,
-                           const LocalFoot& local)
+                           const IsoTopology& topology, const LocalFoot& local)
     : surface_(surface),
       grid_(grid),
+      topology_(topology),
       local_(local),
       radius_(std::abs(grid.level())),
       diagonal_(surface.box().diagonal().norm()),
@@ -65,7 +67,7 @@ VertexPlacer::VertexPlacer(const SurfaceDistance& surface, const LevelGrid& grid
 
 /// Where the level crosses an edge: |phi| is the least of the branches, so of the crossings of the
 /// two ends' tangent planes the one nearer to the surface counts; exact for two planar faces.
-Vec3 VertexPlacer::crossingOn(const std::array<Index, 2>& ends) const {
+Vec3 VertexPlacer::crossingOn(const Crossing& ends) const {
   const double level = grid_.level();
   const Vec3 from = grid_.positionOf(ends[0]);
   const Vec3 along = grid_.positionOf(ends[1]) - from;
@@ -88,56 +90,37 @@ Vec3 VertexPlacer::crossingOn(const std::array<Index, 2>& ends) const {
   return from + plane.value_or(linear) * along;
 }
 
-namespace {
-
-bool crossesAll(const GridCell& cell, std::uint16_t edges) {
-  for (int e = 0; e < 12; ++e) {
-    const auto [low, high] = cornersOfEdge(e);
-    const bool crossed = ((cell.inside >> low) & 1U) != ((cell.inside >> high) & 1U);
-    if (crossed != (((edges >> e) & 1U) != 0)) return false;
-  }
-  return true;
-}
-
-}  // namespace
-
 VertexPlacer::Crossings VertexPlacer::crossingsOf(const IsoSite& site) const {
   const GridCell& cell = grid_.cells()[static_cast<std::size_t>(site.cell)];
   Crossings out;
   out.lower = grid_.position(cell.lower);
-  std::array<Vec3, 12> points;
-  std::array<std::array<Index, 2>, 12> ends{};
-  std::size_t count = 0;
-  for (int e = 0; e < 12; ++e) {
-    if (((site.edges >> e) & 1U) == 0) continue;
-    const auto corners = cornersOfEdge(e);
-    const std::array<Index, 2> pair{cell.node[static_cast<std::size_t>(corners[0])],
-                                    cell.node[static_cast<std::size_t>(corners[1])]};
-    points[count] = crossingOn(pair);
-    ends[count] = pair;
-    out.mean += points[count++];
-    for (const Index node : pair) {
-      const auto end = out.nodes.begin() + static_cast<std::ptrdiff_t>(out.nodeCount);
-      if (std::find(out.nodes.begin(), end, node) == end) out.nodes[out.nodeCount++] = node;
-    }
+  out.h = grid_.sideOf(cell);
+  const std::span<const Crossing> edges = topology_.crossingsOf(site);
+  const auto add = [&](Index node) {
+    if (std::ranges::find(out.nodes, node) == out.nodes.end()) out.nodes.push_back(node);
+  };
+  std::vector<Vec3> points;
+  out.nodes.reserve(8);
+  points.reserve(edges.size());
+  for (const Crossing& edge : edges) {
+    points.push_back(crossingOn(edge));
+    out.mean += points.back();
+    for (const Index node : edge) add(node);
   }
-  out.mean /= static_cast<double>(count);
-  out.edgeNodes = out.nodeCount;
+  out.mean /= static_cast<double>(edges.size());
+  out.edgeNodes = out.nodes.size();
   // A crease near a corner of the cell may show in that corner's foot only. With several sites in
   // the cell it might be another one's.
-  if (crossesAll(cell, site.edges)) {
-    for (const Index node : cell.node) {
-      const auto end = out.nodes.begin() + static_cast<std::ptrdiff_t>(out.nodeCount);
-      if (std::find(out.nodes.begin(), end, node) == end) out.nodes[out.nodeCount++] = node;
-    }
+  if (site.alone) {
+    for (const Index node : cell.node) add(node);
   }
   std::size_t nearest = 0;
-  for (std::size_t i = 1; i < count; ++i) {
+  for (std::size_t i = 1; i < points.size(); ++i) {
     if ((points[i] - out.mean).squaredNorm() < (points[nearest] - out.mean).squaredNorm()) {
       nearest = i;
     }
   }
-  out.edge = ends[nearest];
+  out.edge = edges[nearest];
   return out;
 }
 
@@ -219,17 +202,16 @@ bool VertexPlacer::distinct(const Branch& a, const Branch& b) const {
 
 /// The different branches that hold the feet of the site's corners, seen from x.
 VertexPlacer::Branches VertexPlacer::gather(const Crossings& crossings, const Vec3& x) const {
-  std::array<Index, 8> seeds{};
-  std::size_t seedCount = 0;
-  for (std::size_t i = 0; i < crossings.nodeCount; ++i) {
-    const Index t = grid_.nodes()[static_cast<std::size_t>(crossings.nodes[i])].triangle;
-    const auto end = seeds.begin() + static_cast<std::ptrdiff_t>(seedCount);
-    if (std::find(seeds.begin(), end, t) == end) seeds[seedCount++] = t;
+  std::vector<Index> seeds;
+  seeds.reserve(crossings.nodes.size());
+  for (const Index node : crossings.nodes) {
+    const Index t = grid_.nodes()[static_cast<std::size_t>(node)].triangle;
+    if (std::ranges::find(seeds, t) == seeds.end()) seeds.push_back(t);
   }
   Branches all;
-  for (std::size_t i = 0; i < seedCount; ++i) {
+  for (const Index seed : seeds) {
     Branch branch;
-    branch.triangle = seeds[i];
+    branch.triangle = seed;
     if (walk(branch, x)) all.push_back(branch);
   }
   // The nearest first: where several are one, the nearest decides (|phi| is the least of all).
@@ -246,8 +228,7 @@ VertexPlacer::Branches VertexPlacer::gather(const Crossings& crossings, const Ve
 
 /// Newton for |x - foot_k(x)| = |d|, all k, by least-norm steps. False when they have no such point
 /// near x.
-bool VertexPlacer::solveBranches(Branches& branches, Vec3& x) const {
-  const double h = grid_.spacing();
+bool VertexPlacer::solveBranches(Branches& branches, double h, Vec3& x) const {
   double last = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kNewtonSteps; ++step) {
     Eigen::Matrix<double, Eigen::Dynamic, 3, 0, 8, 3> jacobian(branches.size(), 3);
@@ -282,10 +263,9 @@ bool VertexPlacer::solveBranches(Branches& branches, Vec3& x) const {
 }
 
 /// In the cell, or near it in one that the level passes without a vertex of its own.
-bool VertexPlacer::reachable(const Vec3& x, const Vec3& lower) const {
-  const double h = grid_.spacing();
-  if (inCell(x, lower, h, kTouch)) return true;
-  return inCell(x, lower, h, kCreaseMargin) && grid_.findCell(grid_.cellAt(x)) == kNone;
+bool VertexPlacer::reachable(const Vec3& x, const Crossings& crossings) const {
+  if (inCell(x, crossings.lower, crossings.h, kTouch)) return true;
+  return inCell(x, crossings.lower, crossings.h, kCreaseMargin) && !grid_.crossedAt(x);
 }
 
 /// Solves for a set of branches, takes in nearer feet, and accepts by phi itself.
@@ -293,16 +273,16 @@ bool VertexPlacer::tryCrease(Branches branches, const Vec3& start, const Crossin
                              IsoVertex& vertex) const {
   Vec3 x = start;
   for (int round = 0; round < kRounds; ++round) {
-    if (!solveBranches(branches, x)) return false;
-    if (!reachable(x, crossings.lower)) {
+    if (!solveBranches(branches, crossings.h, x)) return false;
+    if (!reachable(x, crossings)) {
       // The crease may still cut the cell, elsewhere: along its tangent, else by alternating
       // between both (von Neumann 1949).
       std::optional<Vec3> inside;
       if (branches.size() == 2) {
         const Vec3 along = branches[0].direction.cross(branches[1].direction);
-        inside = pointOfLineInCell(x, along, crossings.lower, grid_.spacing());
+        inside = pointOfLineInCell(x, along, crossings.lower, crossings.h);
       }
-      x = inside ? *inside : clampToCell(x, crossings.lower, grid_.spacing(), -kInset);
+      x = inside ? *inside : clampToCell(x, crossings.lower, crossings.h, -kInset);
       continue;
     }
     const FootPoint foot = surface_.footFrom(x, branches.front().triangle);
@@ -364,7 +344,7 @@ bool VertexPlacer::project(Vec3 x, Index hint, const Crossings& crossings,
       return true;
     }
     const Vec3 next = foot.point + grid_.level() * surface_.gradient(x, foot);
-    if (!inCell(next, crossings.lower, grid_.spacing(), kSmoothMargin)) return false;
+    if (!inCell(next, crossings.lower, crossings.h, kSmoothMargin)) return false;
     // Round-off may leave more than the strict bound above; then the wide one decides.
     if ((next - x).norm() <= 1e-3 * tolerance_) {
       vertex = vertexAt(x, foot);
@@ -419,8 +399,8 @@ IsoVertex VertexPlacer::place(const IsoSite& site) const {
     a += n * n.transpose();
     b += n * n.dot(node.foot + grid_.level() * n);
   }
-  Vec3 start = clampToCell(quadricMinimum(a, b, crossings.mean), crossings.lower, grid_.spacing(),
-                           kStartMargin);
+  Vec3 start =
+      clampToCell(quadricMinimum(a, b, crossings.mean), crossings.lower, crossings.h, kStartMargin);
   IsoVertex vertex;
   // Feet give no directions on the surface itself; the quadric has found its creases.
   if (radius_ > tolerance_) {

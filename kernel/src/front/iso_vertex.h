@@ -19,7 +19,8 @@ struct IsoVertex {
 /// Places the vertex of a site. Thread safe.
 class VertexPlacer {
  public:
-  VertexPlacer(const SurfaceDistance& surface, const LevelGrid& grid, const LocalFoot& local);
+  VertexPlacer(const SurfaceDistance& surface, const LevelGrid& grid, const IsoTopology& topology,
+               const LocalFoot& local);
 
   /// On the crease or corner of the level within the site's cell if there is one.
   [[nodiscard]] IsoVertex place(const IsoSite& site) const;
@@ -38,11 +39,11 @@ class VertexPlacer {
   using Branches = std::vector<Branch>;
 
   [[nodiscard]] Crossings crossingsOf(const IsoSite& site) const;
-  [[nodiscard]] Vec3 crossingOn(const std::array<Index, 2>& ends) const;
+  [[nodiscard]] Vec3 crossingOn(const Crossing& ends) const;
   [[nodiscard]] bool walk(Branch& branch, const Vec3& x) const;
   [[nodiscard]] Branches gather(const Crossings& crossings, const Vec3& x) const;
-  [[nodiscard]] bool reachable(const Vec3& x, const Vec3& lower) const;
-  [[nodiscard]] bool solveBranches(Branches& branches, Vec3& x) const;
+  [[nodiscard]] bool reachable(const Vec3& x, const Crossings& crossings) const;
+  [[nodiscard]] bool solveBranches(Branches& branches, double h, Vec3& x) const;
   bool tryCrease(Branches branches, const Vec3& start, const Crossings& crossings,
                  IsoVertex& vertex) const;
   bool creaseVertex(const Branches& branches, const Crossings& crossings, IsoVertex& vertex) const;
@@ -53,6 +54,7 @@ class VertexPlacer {
 
   const SurfaceDistance& surface_;
   const LevelGrid& grid_;
+  const IsoTopology& topology_;
   const LocalFoot& local_;
   double radius_ = 0;     // |d|
   double diagonal_ = 0;   // of the surface's box

@@ -9,6 +9,11 @@
 // input may jump, so blocks are added until the property holds. Nodes beyond the grown box count as
 // outside, which bounds that. Weak spot: blocks are kept for their centre's bound only, about twice
 // the nodes a tight band needs.
+//
+// Split cells lie beside whole ones, whose sides and edges then have nodes in their middles. What
+// is shared is always the smaller one (the minimal edges of Ju, Losasso, Schaefer & Warren 2002),
+// and a cell with an edge that the level crosses twice is split, too: the surface would pass it in
+// a loop of two crossings, which no mesh of triangles can show.
 #include "front/level_grid.h"
 
 #include <algorithm>
@@ -21,100 +26,72 @@ namespace phront {
 
 namespace {
 
-constexpr std::int32_t kKeyOffset = 1 << 20;
-constexpr std::uint64_t kKeyMask = (1U << 21) - 1;
-constexpr std::uint64_t kEmptyKey = ~std::uint64_t{0};
 constexpr std::int64_t kGrain = 256;
 constexpr std::size_t kTellingBlocks = 100'000;
 // Largest number of cells along one axis: keys have 21 bits, half of them for the sign.
 constexpr double kMaxCellsPerAxis = 900'000;
 // Shifts of the grid in cells, irrational: planes of ordinary parts do not fall on grid planes.
 const Vec3 kShift(0.3819660112501051, 0.4142135623730951, 0.2679491924311227);
+// Times that a cell can be halved, where the keys have room for it.
+constexpr int kMostHalvings = 8;
 // Slack of the Lipschitz bound against round-off.
 constexpr double kBoundSlack = 1 + 1e-9;
 
-std::size_t hashKey(std::uint64_t key) {
-  key ^= key >> 31;
-  key *= 0x9e3779b97f4a7c15ULL;  // Fibonacci hashing (Knuth)
-  return static_cast<std::size_t>(key ^ (key >> 29));
-}
-
 }  // namespace
 
-KeyMap::KeyMap() : keys_(1024, kEmptyKey), values_(1024, kNone) {}
-
-Index KeyMap::find(std::uint64_t key) const {
-  const std::size_t mask = keys_.size() - 1;
-  for (std::size_t slot = hashKey(key) & mask;; slot = (slot + 1) & mask) {
-    if (keys_[slot] == key) return values_[slot];
-    if (keys_[slot] == kEmptyKey) return kNone;
-  }
+bool LevelGrid::crossedAt(const Vec3& x) const {
+  const Vec3 at = (x - origin_) / unit_;
+  const GridIndex index{static_cast<std::int32_t>(std::floor(at[0])),
+                        static_cast<std::int32_t>(std::floor(at[1])),
+                        static_cast<std::int32_t>(std::floor(at[2]))};
+  const auto sizeOf = [&](Index leaf) {
+    const auto n = static_cast<std::size_t>(leaf);
+    return n < cells_.size() ? cells_[n].size : quietCells_[n - cells_.size()].size;
+  };
+  const Index leaf = leafAt(index, sizeOf);
+  return leaf != kNone && static_cast<std::size_t>(leaf) < cells_.size();
 }
 
-Index KeyMap::insert(std::uint64_t key, Index value) {
-  if (2 * (used_ + 1) > keys_.size()) grow();
-  const std::size_t mask = keys_.size() - 1;
-  for (std::size_t slot = hashKey(key) & mask;; slot = (slot + 1) & mask) {
-    if (keys_[slot] == key) return values_[slot];
-    if (keys_[slot] == kEmptyKey) {
-      keys_[slot] = key;
-      values_[slot] = value;
-      ++used_;
-      return value;
-    }
-  }
-}
-
-void KeyMap::grow() {
-  std::vector<std::uint64_t> keys(2 * keys_.size(), kEmptyKey);
-  std::vector<Index> values(keys.size(), kNone);
-  keys.swap(keys_);
-  values.swap(values_);
-  const std::size_t mask = keys_.size() - 1;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    if (keys[i] == kEmptyKey) continue;
-    std::size_t slot = hashKey(keys[i]) & mask;
-    while (keys_[slot] != kEmptyKey) slot = (slot + 1) & mask;
-    keys_[slot] = keys[i];
-    values_[slot] = values[i];
-  }
-}
-
-std::uint64_t packKey(const GridIndex& index) {
-  std::uint64_t key = 0;
-  for (int a = 2; a >= 0; --a) {
-    const std::int64_t shifted = std::int64_t{index[static_cast<std::size_t>(a)]} + kKeyOffset;
-    key = (key << 21U) | (static_cast<std::uint64_t>(shifted) & kKeyMask);
-  }
-  return key;
-}
-
-GridIndex unpackKey(std::uint64_t key) {
-  GridIndex index{};
-  for (std::size_t a = 0; a < 3; ++a) {
-    index[a] = static_cast<std::int32_t>((key >> (21U * a)) & kKeyMask) - kKeyOffset;
-  }
-  return index;
-}
-
-/// Builds a LevelGrid; block b covers the cells 2b and 2b + 1 of each axis.
+/// Builds a LevelGrid or makes it finer; block b covers the unsplit cells 2b and 2b + 1 of each
+/// axis.
 class LevelGridBuilder {
  public:
-  LevelGridBuilder(const SurfaceDistance& surface, const LevelGridOptions& options,
+  LevelGridBuilder(LevelGrid& grid, const SurfaceDistance& surface, const LevelGridOptions& options,
                    const Progress& progress)
-      : surface_(surface), options_(options), progress_(progress) {}
+      : grid_(grid), surface_(surface), options_(options), progress_(progress) {}
 
-  Result<LevelGrid> run() {
-    if (auto placed = placeGrid(); !placed) return tl::unexpected(placed.error());
+  Result<void> build() {
+    if (auto placed = placeGrid(); !placed) return placed;
     auto blocks = descend();
     if (!blocks) return tl::unexpected(blocks.error());
-    std::vector<Block> fresh = std::move(*blocks);
-    while (!fresh.empty()) {
-      if (auto added = addBlocks(fresh); !added) return tl::unexpected(added.error());
-      fresh = missingBlocks();
+    if (auto added = addClosure(std::move(*blocks)); !added) return added;
+    sortCells();
+    return {};
+  }
+
+  Result<void> split(std::span<const Index> crossedCells, std::span<const Index> quietCells) {
+    const auto crossed = static_cast<Index>(grid_.cells_.size());
+    leaves_ = std::move(grid_.cells_);
+    leaves_.insert(leaves_.end(), grid_.quietCells_.begin(), grid_.quietCells_.end());
+    checked_ = leaves_.size();
+    std::vector<Index> parents(crossedCells.begin(), crossedCells.end());
+    for (const Index q : quietCells) {
+      const GridCell& cell = leaves_[static_cast<std::size_t>(crossed + q)];
+      forNeighbours(cell, true, [&](Index leaf) {
+        const std::int32_t size = leaves_[static_cast<std::size_t>(leaf)].size;
+        if (size > 1 && size >= cell.size) parents.push_back(leaf);
+      });
+    }
+    while (!parents.empty()) {
+      std::ranges::sort(parents);
+      const auto rest = std::ranges::unique(parents);
+      parents.erase(rest.begin(), rest.end());
+      if (auto made = makeChildren(parents); !made) return made;
+      if (auto added = addClosure(missingBlocks()); !added) return added;
+      parents = crossedTwice(besideOf(parents));
     }
     sortCells();
-    return std::move(grid_);
+    return {};
   }
 
  private:
@@ -126,17 +103,22 @@ class LevelGridBuilder {
   Result<void> placeGrid() {
     const double h = options_.spacing;
     const Box3& box = surface_.box();
-    grow_ = std::max(options_.level, 0.0);
-    const Vec3 extent = box.sizes() + Vec3::Constant(2 * grow_);
+    grid_.grow_ = std::max(options_.level, 0.0);
+    const Vec3 extent = box.sizes() + Vec3::Constant(2 * grid_.grow_);
     if (!(extent.maxCoeff() / h < kMaxCellsPerAxis)) {
       return fail(ErrorCode::ResourceLimit,
                   "the iso-surface's grid spacing is too fine for the box of the part; "
                   "ask for a larger spacing");
     }
-    grid_.spacing_ = h;
-    grid_.level_ = options_.level;
-    grid_.origin_ = box.min() - Vec3::Constant(grow_) - h * (Vec3::Constant(2) + kShift);
     const double cells = extent.maxCoeff() / h + 6;
+    int halvings = 0;
+    while (halvings < kMostHalvings && std::ldexp(cells, halvings + 1) < kMaxCellsPerAxis) {
+      ++halvings;
+    }
+    grid_.unit_ = std::ldexp(h, -halvings);
+    grid_.coarse_ = grid_.finest_ = 1 << halvings;
+    grid_.level_ = options_.level;
+    grid_.origin_ = box.min() - Vec3::Constant(grid_.grow_) - h * (Vec3::Constant(2) + kShift);
     rootLevel_ = static_cast<int>(std::bit_width(static_cast<std::uint64_t>(cells)));
     return {};
   }
@@ -147,14 +129,14 @@ class LevelGridBuilder {
 
   [[nodiscard]] double boundOf(const FootPoint& foot) const {
     return surface_.watertight() ? std::abs(foot.phi() - options_.level)
-                             : std::abs(foot.distance - std::abs(options_.level));
+                                 : std::abs(foot.distance - std::abs(options_.level));
   }
 
   /// Blocks of 2^3 cells that may hold the level, in fixed order.
   Result<std::vector<Block>> descend() {
     std::vector<Block> blocks{{GridIndex{0, 0, 0}, kNone}};
     for (int size = rootLevel_; size >= 1; --size) {
-      const double edge = std::ldexp(grid_.spacing_, size);
+      const double edge = std::ldexp(options_.spacing, size);
       const double reach = 0.5 * std::sqrt(3.0) * edge * kBoundSlack;
       std::vector<char> keep(blocks.size(), 0);
       parallelFor(
@@ -205,25 +187,78 @@ class LevelGridBuilder {
     return fail(ErrorCode::Cancelled, "cancelled while sampling the field");
   }
 
-  /// Evaluates the nodes of blocks and sorts their cells into crossed and quiet ones.
+  /// Blocks with all others that the level reaches from them.
+  Result<void> addClosure(std::vector<Block> fresh) {
+    while (!fresh.empty()) {
+      if (auto added = addBlocks(fresh); !added) return added;
+      fresh = missingBlocks();
+    }
+    return {};
+  }
+
   Result<void> addBlocks(const std::vector<Block>& fresh) {
-    const auto first = grid_.nodes_.size();
-    std::vector<Block> added;
+    const std::size_t first = grid_.nodes_.size();
+    std::vector<GridCell> cells;
     for (const Block& block : fresh) {
-      if (blocks_.insertNew(packKey(block.index))) added.push_back(block);
+      if (!grid_.blocks_.insertNew(packKey(block.index))) continue;
+      const std::int32_t side = 2 * grid_.coarse_;
+      const GridIndex lower{side * block.index[0], side * block.index[1], side * block.index[2]};
+      addCells(lower, grid_.coarse_, block.triangle, cells);
     }
-    for (const Block& block : added) {
-      for (int n = 0; n < 27; ++n) {
-        const GridIndex at{2 * block.index[0] + n % 3, 2 * block.index[1] + (n / 3) % 3,
-                           2 * block.index[2] + n / 9};
-        const auto number = static_cast<Index>(grid_.nodes_.size());
-        if (nodeMap_.insert(packKey(at), number) != number) continue;
-        grid_.nodeAt_.push_back(at);
-        grid_.nodes_.emplace_back();
-        grid_.nodes_.back().triangle = block.triangle;
+    if (auto evaluated = evaluateFrom(first); !evaluated) return evaluated;
+    collect(cells);
+    return {};
+  }
+
+  Result<void> makeChildren(const std::vector<Index>& parents) {
+    const std::size_t first = grid_.nodes_.size();
+    std::vector<GridCell> cells;
+    for (const Index number : parents) {
+      GridCell& parent = leaves_[static_cast<std::size_t>(number)];
+      const std::size_t before = cells.size();
+      const auto corner = static_cast<std::size_t>(parent.node[0]);
+      addCells(parent.lower, parent.size / 2, grid_.nodes_[corner].triangle, cells);
+      for (std::size_t i = before; i < cells.size(); ++i) cells[i].hanging = parent.hanging;
+      grid_.finest_ = std::min(grid_.finest_, parent.size / 2);
+      split_.resize(leaves_.size(), 0);
+      split_[static_cast<std::size_t>(number)] = 1;
+    }
+    if (auto evaluated = evaluateFrom(first); !evaluated) return evaluated;
+    collect(cells);
+    return {};
+  }
+
+  /// 2^3 cells of a size with their nodes, which are still to be evaluated.
+  void addCells(const GridIndex& lower, std::int32_t size, Index triangle,
+                std::vector<GridCell>& cells) {
+    std::array<Index, 27> node{};
+    for (int n = 0; n < 27; ++n) {
+      const GridIndex at{lower[0] + size * (n % 3), lower[1] + size * ((n / 3) % 3),
+                         lower[2] + size * (n / 9)};
+      const auto number = static_cast<Index>(grid_.nodes_.size());
+      const Index stored = grid_.nodeMap_.insert(packKey(at), number);
+      node[static_cast<std::size_t>(n)] = stored;
+      if (stored != number) continue;
+      grid_.nodeAt_.push_back(at);
+      grid_.nodes_.emplace_back();
+      grid_.nodes_.back().triangle = triangle;
+    }
+    for (int child = 0; child < 8; ++child) {
+      GridCell cell;
+      cell.size = size;
+      const std::array<int, 3> step{child & 1, (child >> 1) & 1, (child >> 2) & 1};
+      for (std::size_t a = 0; a < 3; ++a) cell.lower[a] = lower[a] + size * step[a];
+      for (int c = 0; c < 8; ++c) {
+        const int n =
+            step[0] + (c & 1) + 3 * (step[1] + ((c >> 1) & 1)) + 9 * (step[2] + ((c >> 2) & 1));
+        cell.node[static_cast<std::size_t>(c)] = node[static_cast<std::size_t>(n)];
       }
-      if (static_cast<std::int64_t>(grid_.nodes_.size()) > options_.maxNodes) return tooMany();
+      cells.push_back(cell);
     }
+  }
+
+  Result<void> evaluateFrom(std::size_t first) {
+    if (static_cast<std::int64_t>(grid_.nodes_.size()) > options_.maxNodes) return tooMany();
     const auto count = static_cast<std::int64_t>(grid_.nodes_.size() - first);
     constexpr std::int64_t kSlices = 16;  // cancellable between slices
     for (std::int64_t s = 0; s < kSlices; ++s) {
@@ -236,7 +271,6 @@ class LevelGridBuilder {
       });
       if (!progress_.report(0.2 + 0.8 * static_cast<double>(s + 1) / kSlices)) return cancelled();
     }
-    for (const Block& block : added) collectCells(block);
     return {};
   }
 
@@ -246,54 +280,144 @@ class LevelGridBuilder {
     const FootPoint foot = query(x, node.triangle);
     const Box3& box = surface_.box();
     const double beyond = std::max((box.min() - x).maxCoeff(), (x - box.max()).maxCoeff());
-    const bool outside = surface_.closed() && beyond > grow_ + 0.5 * grid_.spacing_;
+    const bool outside = surface_.closed() && beyond > grid_.grow_ + 0.5 * options_.spacing;
     node.phi = outside ? foot.distance : foot.phi();
     node.foot = foot.point;
     node.triangle = foot.beyondBorder ? kNone : foot.triangle;
   }
 
-  void collectCells(const Block& block) {
-    for (int child = 0; child < 8; ++child) {
-      GridCell cell;
-      cell.lower = {2 * block.index[0] + (child & 1), 2 * block.index[1] + ((child >> 1) & 1),
-                    2 * block.index[2] + ((child >> 2) & 1)};
+  /// Takes cells with phi at all corners in.
+  void collect(std::vector<GridCell>& cells) {
+    for (GridCell& cell : cells) {
       bool complete = true;
-      for (int c = 0; c < 8; ++c) {
-        const GridIndex at{cell.lower[0] + (c & 1), cell.lower[1] + ((c >> 1) & 1),
-                           cell.lower[2] + ((c >> 2) & 1)};
-        const Index node = nodeMap_.find(packKey(at));
-        cell.node[static_cast<std::size_t>(c)] = node;
-        const GridNode& data = grid_.nodes_[static_cast<std::size_t>(node)];
+      for (std::size_t c = 0; c < 8; ++c) {
+        const GridNode& data = grid_.nodes_[static_cast<std::size_t>(cell.node[c])];
         if (data.triangle == kNone) complete = false;
         if (data.phi < options_.level) cell.inside |= static_cast<std::uint8_t>(1U << c);
       }
       if (!complete) continue;
-      if (cell.inside == 0 || cell.inside == 255) {
-        grid_.quietCells_.push_back(cell);
-        continue;
-      }
-      grid_.cellMap_.insert(packKey(cell.lower), static_cast<Index>(grid_.cells_.size()));
-      grid_.cells_.push_back(cell);
+      grid_.leafMap_.assign(packKey(cell.lower), static_cast<Index>(leaves_.size()));
+      leaves_.push_back(cell);
     }
   }
 
-  /// Blocks of cells that share a crossed face with a known cell but are not there.
+  [[nodiscard]] Index leafAt(const GridIndex& at) const {
+    return grid_.leafAt(at,
+                        [&](Index leaf) { return leaves_[static_cast<std::size_t>(leaf)].size; });
+  }
+
+  /// The block around a place beyond side 2a + s of a cell.
+  [[nodiscard]] GridIndex blockBeyond(const GridCell& cell, std::size_t axis, int side) const {
+    GridIndex at = cell.lower;
+    at[axis] += side == 1 ? cell.size : -1;
+    const int shift = std::countr_zero(static_cast<unsigned>(2 * grid_.coarse_));
+    return {at[0] >> shift, at[1] >> shift, at[2] >> shift};
+  }
+
+  /// Blocks beyond a crossed side of a new cell that are not there.
   [[nodiscard]] std::vector<Block> missingBlocks() {
     std::vector<Block> missing;
-    for (; checked_ < grid_.cells_.size(); ++checked_) {
-      const GridCell& cell = grid_.cells_[checked_];
+    for (; checked_ < leaves_.size(); ++checked_) {
+      const GridCell& cell = leaves_[checked_];
       for (std::size_t axis = 0; axis < 3; ++axis) {
         for (int side = 0; side < 2; ++side) {
           if (!faceCrossed(cell.inside, axis, side)) continue;
-          GridIndex lower = cell.lower;
-          lower[axis] += 2 * side - 1;
-          const GridIndex block{lower[0] >> 1, lower[1] >> 1, lower[2] >> 1};
-          if (blocks_.map.find(packKey(block)) != kNone) continue;
+          const GridIndex block = blockBeyond(cell, axis, side);
+          if (grid_.blocks_.map.find(packKey(block)) != kNone) continue;
           missing.push_back({block, grid_.nodes_[static_cast<std::size_t>(cell.node[0])].triangle});
         }
       }
     }
     return missing;
+  }
+
+  /// Calls visit(leaf) for the cells around one, with itself if wanted. Of cells smaller than this
+  /// one not all come.
+  template <class Visit>
+  void forNeighbours(const GridCell& cell, bool itself, Visit&& visit) const {
+    for (int n = 0; n < 27; ++n) {
+      if (n == 13 && !itself) continue;
+      const std::array<int, 3> step{n % 3 - 1, (n / 3) % 3 - 1, n / 9 - 1};
+      GridIndex at = cell.lower;
+      for (std::size_t a = 0; a < 3; ++a) at[a] += step[a] < 0 ? -1 : step[a] * cell.size;
+      if (const Index leaf = leafAt(at); leaf != kNone) visit(leaf);
+    }
+  }
+
+  /// Marks the cells that split ones have hung nodes on; gives these and the children of marked.
+  [[nodiscard]] std::vector<Index> besideOf(const std::vector<Index>& parents) {
+    std::vector<Index> touched;
+    for (const Index number : parents) {
+      const GridCell parent = leaves_[static_cast<std::size_t>(number)];
+      forNeighbours(parent, false, [&](Index leaf) {
+        GridCell& beside = leaves_[static_cast<std::size_t>(leaf)];
+        if (beside.size < parent.size) return;
+        beside.hanging = true;
+        touched.push_back(leaf);
+      });
+      if (!parent.hanging) continue;
+      for (int child = 0; child < 8; ++child) {
+        const std::int32_t half = parent.size / 2;
+        const Index leaf = leafAt({parent.lower[0] + half * (child & 1),
+                                   parent.lower[1] + half * ((child >> 1) & 1),
+                                   parent.lower[2] + half * ((child >> 2) & 1)});
+        if (leaf != kNone) touched.push_back(leaf);
+      }
+    }
+    return touched;
+  }
+
+  /// What the nodes on the boundary of a cell say.
+  struct Boundary {
+    bool complete = true;
+    bool crossed = false;
+    bool twice = false;  ///< an edge is crossed more than once
+  };
+
+  [[nodiscard]] Boundary boundaryOf(const GridCell& cell) const {
+    Boundary found;
+    const bool first = grid_.inside(cell.node[0]);
+    const auto look = [&](Index node) {
+      if (grid_.nodes_[static_cast<std::size_t>(node)].triangle == kNone) found.complete = false;
+      if (grid_.inside(node) != first) found.crossed = true;
+    };
+    for (std::size_t face = 0; face < 6; ++face) {
+      GridIndex lower = cell.lower;
+      lower[face / 2] += face % 2 == 1 ? cell.size : 0;
+      forSmallestSides(grid_, lower, cell.size, face / 2, true,
+                       [&](const GridIndex& at, std::int32_t size) {
+                         for (int corner = 0; corner < 4; ++corner) {
+                           GridIndex node = at;
+                           node[(face / 2 + 1) % 3] += (corner & 1) * size;
+                           node[(face / 2 + 2) % 3] += (corner >> 1) * size;
+                           look(grid_.findNode(node));
+                         }
+                       });
+    }
+    for (std::size_t edge = 0; edge < 12; ++edge) {
+      const std::size_t axis = edge / 4;
+      const std::size_t lower =
+          ((edge & 1U) << ((axis + 1) % 3)) | (((edge >> 1U) & 1U) << ((axis + 2) % 3));
+      int crossings = 0;
+      forShortestEdges(grid_, cell.node[lower], cell.node[lower | (1U << axis)], cell.size, axis,
+                       [&](Index low, Index high) {
+                         look(low);
+                         if (grid_.inside(low) != grid_.inside(high)) ++crossings;
+                       });
+      found.twice = found.twice || crossings > 1;
+    }
+    return found;
+  }
+
+  /// Those of the leaves that have an edge crossed twice.
+  [[nodiscard]] std::vector<Index> crossedTwice(std::vector<Index> leaves) const {
+    std::ranges::sort(leaves);
+    const auto rest = std::ranges::unique(leaves);
+    leaves.erase(rest.begin(), rest.end());
+    std::erase_if(leaves, [&](Index leaf) {
+      return !boundaryOf(leaves_[static_cast<std::size_t>(leaf)]).twice;
+    });
+    return leaves;
   }
 
   [[nodiscard]] static bool faceCrossed(unsigned inside, std::size_t axis, int side) {
@@ -303,40 +427,51 @@ class LevelGridBuilder {
     return bits != 0 && bits != face;
   }
 
+  /// Leaves into crossed and quiet ones. Nodes that hang on a cell's sides decide, too.
   void sortCells() {
-    std::ranges::sort(grid_.cells_, {}, [](const GridCell& c) { return packKey(c.lower); });
-    std::ranges::sort(grid_.quietCells_, {}, [](const GridCell& c) { return packKey(c.lower); });
-    grid_.cellMap_ = KeyMap();
-    for (std::size_t i = 0; i < grid_.cells_.size(); ++i) {
-      grid_.cellMap_.insert(packKey(grid_.cells_[i].lower), static_cast<Index>(i));
+    std::vector<GridCell> crossed;
+    std::vector<GridCell> quiet;
+    split_.resize(leaves_.size(), 0);
+    for (std::size_t i = 0; i < leaves_.size(); ++i) {
+      if (split_[i] != 0) continue;
+      const GridCell& cell = leaves_[i];
+      const bool plain = cell.inside != 0 && cell.inside != 255;
+      const Boundary found = cell.hanging ? boundaryOf(cell) : Boundary{true, plain, false};
+      if (found.complete) (found.crossed ? crossed : quiet).push_back(cell);
     }
+    grid_.leafMap_ = KeyMap();
+    Index number = 0;
+    for (std::vector<GridCell>* cells : {&crossed, &quiet}) {
+      std::ranges::sort(*cells, {}, [](const GridCell& c) { return packKey(c.lower); });
+      for (const GridCell& cell : *cells) grid_.leafMap_.assign(packKey(cell.lower), number++);
+    }
+    grid_.cells_ = std::move(crossed);
+    grid_.quietCells_ = std::move(quiet);
   }
 
-  /// A set on top of KeyMap.
-  struct KeySet {
-    KeyMap map;
-    Index next = 0;
-    bool insertNew(std::uint64_t key) {
-      if (map.insert(key, next) != next) return false;
-      ++next;
-      return true;
-    }
-  };
-
+  LevelGrid& grid_;
   const SurfaceDistance& surface_;
   const LevelGridOptions& options_;
   const Progress& progress_;
-  LevelGrid grid_;
-  KeyMap nodeMap_;
-  KeySet blocks_;
-  double grow_ = 0;
+  std::vector<GridCell> leaves_;  // in the order they came
+  std::vector<char> split_;       // of each leaf that is none any more
   int rootLevel_ = 1;
   std::size_t checked_ = 0;
 };
 
 Result<LevelGrid> LevelGrid::build(const SurfaceDistance& surface, const LevelGridOptions& options,
                                    const Progress& progress) {
-  return LevelGridBuilder(surface, options, progress).run();
+  LevelGrid grid;
+  if (auto built = LevelGridBuilder(grid, surface, options, progress).build(); !built) {
+    return tl::unexpected(built.error());
+  }
+  return grid;
+}
+
+Result<void> LevelGrid::split(const SurfaceDistance& surface, std::span<const Index> crossedCells,
+                              std::span<const Index> quietCells, const LevelGridOptions& options,
+                              const Progress& progress) {
+  return LevelGridBuilder(*this, surface, options, progress).split(crossedCells, quietCells);
 }
 
 }  // namespace phront

@@ -47,7 +47,7 @@ struct Proof {
 /// A point of the sign that no corner has.
 Proof search(const SurfaceDistance& surface, const LevelGrid& grid, const GridCell& cell,
              double depth) {
-  const double h = grid.spacing();
+  const double h = grid.sideOf(cell);
   // Seen as a height over the level, positive at all corners.
   const double side = cell.inside == 0 ? 1 : -1;
   double least = std::abs(grid.nodes()[static_cast<std::size_t>(cell.node[0])].phi - grid.level());
@@ -79,34 +79,58 @@ Proof search(const SurfaceDistance& surface, const LevelGrid& grid, const GridCe
 
 }  // namespace
 
-Result<bool> hidesThinFeature(const SurfaceDistance& surface, const LevelGrid& grid,
-                              const TriMesh& mesh, double depth, int threads) {
+std::vector<ThinFeature> findThinFeatures(const SurfaceDistance& surface, LevelGrid& grid,
+                                          double depth, SearchIn in, int threads) {
   const auto& cells = grid.quietCells();
-  std::vector<Proof> proofs(cells.size());
-  parallelFor(static_cast<std::int64_t>(cells.size()), threads, kGrain,
+  std::vector<Index> wanted;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const GridCell::Search search = cells[i].search;
+    const bool again = search == GridCell::Search::Feature && in == SearchIn::AllCells;
+    if (search == GridCell::Search::Pending || again) wanted.push_back(static_cast<Index>(i));
+  }
+  std::vector<Proof> proofs(wanted.size());
+  parallelFor(static_cast<std::int64_t>(wanted.size()), threads, kGrain,
               [&](std::int64_t begin, std::int64_t end) {
                 for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end);
                      ++i) {
-                  proofs[i] = search(surface, grid, cells[i], depth);
+                  const auto cell = static_cast<std::size_t>(wanted[i]);
+                  proofs[i] = search(surface, grid, cells[cell], depth);
                 }
               });
-  std::erase_if(proofs, [](const Proof& p) { return !p.found; });
-  if (proofs.empty() || mesh.triangles.empty()) return !proofs.empty();
+  std::vector<ThinFeature> features;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const bool found = proofs[i].found;
+    grid.setSearch(wanted[i], found ? GridCell::Search::Feature : GridCell::Search::Nothing);
+    if (found) features.push_back({wanted[i], proofs[i].point});
+  }
+  return features;
+}
+
+Result<std::vector<ThinFeature>> missedFeatures(const SurfaceDistance& surface,
+                                                const LevelGrid& grid, const TriMesh& mesh,
+                                                std::vector<ThinFeature> features, int threads) {
+  if (features.empty() || mesh.triangles.empty()) return features;
   const auto extracted = SurfaceDistance::build(mesh);
   if (!extracted) return tl::unexpected(extracted.error());
-  std::vector<char> missed(proofs.size(), 0);
-  parallelFor(static_cast<std::int64_t>(proofs.size()), threads, kGrain,
-              [&](std::int64_t begin, std::int64_t end) {
-                for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end);
-                     ++i) {
-                  const FootPoint foot = extracted->foot(proofs[i].point);
-                  const bool inside = surface.signedDistance(proofs[i].point) < grid.level();
-                  // Slivers beside creases have no normal to trust: the winding number decides.
-                  missed[i] = foot.distance > kMissed * grid.spacing() &&
-                              inside != (extracted->windingNumber(proofs[i].point) > 0.5);
-                }
-              });
-  return std::ranges::find(missed, char{1}) != missed.end();
+  std::vector<char> missed(features.size(), 0);
+  parallelFor(
+      static_cast<std::int64_t>(features.size()), threads, kGrain,
+      [&](std::int64_t begin, std::int64_t end) {
+        for (auto i = static_cast<std::size_t>(begin); i < static_cast<std::size_t>(end); ++i) {
+          const GridCell& cell = grid.quietCells()[static_cast<std::size_t>(features[i].quietCell)];
+          const Vec3& x = features[i].point;
+          const FootPoint foot = extracted->foot(x);
+          const bool inside = surface.signedDistance(x) < grid.level();
+          // Slivers beside creases have no normal to trust: the winding number decides.
+          missed[i] = foot.distance > kMissed * grid.sideOf(cell) &&
+                      inside != (extracted->windingNumber(x) > 0.5);
+        }
+      });
+  std::vector<ThinFeature> out;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (missed[i] != 0) out.push_back(features[i]);
+  }
+  return out;
 }
 
 }  // namespace phront
