@@ -237,5 +237,47 @@ TEST(FacetSolid, RefusesWhatDoesNotClose) {
   EXPECT_EQ(solidOfFacets({}).error().code, ErrorCode::Failed);
 }
 
+TEST(FacetSolid, FacesOfAShellFollowOneAnotherTheLargestFirst) {
+  FacetedSurface facets = sphere(3, 12, 24);
+  std::ranges::rotate(facets.polygons, facets.polygons.begin() + 100);
+  std::ranges::reverse(facets.polygons.begin() + 50, facets.polygons.begin() + 300);
+  const Result<TopoDS_Shape> solid = solidOfFacets(facets);
+  ASSERT_TRUE(solid) << solid.error().message;
+  TopTools_IndexedMapOfShape edges;
+  double first = 0;
+  double largest = 0;
+  for (TopExp_Explorer face(*solid, TopAbs_FACE); face.More(); face.Next()) {
+    GProp_GProps properties;
+    BRepGProp::SurfaceProperties(face.Current(), properties);
+    if (edges.IsEmpty()) first = properties.Mass();
+    largest = std::max(largest, properties.Mass());
+    bool follows = edges.IsEmpty();
+    for (TopExp_Explorer edge(face.Current(), TopAbs_EDGE); edge.More(); edge.Next()) {
+      follows = follows || edges.Contains(edge.Current());
+    }
+    EXPECT_TRUE(follows);
+    TopExp::MapShapes(face.Current(), TopAbs_EDGE, edges);
+  }
+  EXPECT_NEAR(first, largest, 1e-12);
+}
+
+TEST(FacetSolid, CrumbsThinnerThanFacetsDeviateGo) {
+  FacetedSurface facets;
+  addBox(facets, {0, 0, 0}, {1, 1, 1});
+  addBox(facets, {2, 0, 0}, {2.001, 1, 1}, false);  // beside it: no cavity
+  EXPECT_FALSE(solidOfFacets(facets).has_value());
+  facets.maxDeviation = 0.01;
+  const Result<TopoDS_Shape> solid = solidOfFacets(facets);
+  ASSERT_TRUE(solid) << solid.error().message;
+  EXPECT_EQ(count(*solid, TopAbs_SOLID), 1);
+  EXPECT_NEAR(volumeOf(*solid), 1, 1e-12);
+  // A thick one is a mistake, whatever the facets deviate.
+  FacetedSurface wrong;
+  addBox(wrong, {0, 0, 0}, {1, 1, 1});
+  addBox(wrong, {2, 0, 0}, {2.5, 1, 1}, false);
+  wrong.maxDeviation = 0.01;
+  EXPECT_FALSE(solidOfFacets(wrong).has_value());
+}
+
 }  // namespace
 }  // namespace phront::cad

@@ -89,6 +89,40 @@ TEST_P(IsoSurfaceProperty, ClosedOnTheLevelAndNested) {
   EXPECT_GE(extracted, 3);
 }
 
+/// Cells of several sizes beside one another: as closed, and nearer to the level at its creases.
+TEST_P(IsoSurfaceProperty, ClosedWhereCellsAreHalved) {
+  const TriMesh mesh = solid(GetParam());
+  const auto surface = SurfaceDistance::build(mesh);
+  ASSERT_TRUE(surface.has_value());
+  const double diagonal = surface->box().diagonal().norm();
+  const double smallest = surface->box().sizes().minCoeff();
+  const double h = diagonal / 20;
+  int refined = 0;
+  for (const double part : {-0.2, 0.4}) {
+    const double level = part * smallest;
+    IsoSurfaceOptions options;
+    options.level = level;
+    options.spacing = h;
+    options.threads = 1;
+    options.creaseTolerance = 0.02 * h;
+    const auto iso = isoSurface(*surface, options);
+    ASSERT_TRUE(iso.has_value()) << iso.error().message;
+    if (iso->mesh.triangles.empty()) continue;
+    refined += iso->refined ? 1 : 0;
+    const MeshDiagnostics d = diagnose(iso->mesh);
+    EXPECT_TRUE(d.closedManifold())
+        << "level " << part << " free " << d.freeEdges << " edges " << d.nonManifoldEdges
+        << " points " << d.nonManifoldPoints << " misoriented " << d.misorientedEdges;
+    EXPECT_LE(iso->maxResidual, 1e-9 * diagonal) << "level " << part;
+    options.threads = 3;
+    const auto again = isoSurface(*surface, options);
+    ASSERT_TRUE(again.has_value());
+    EXPECT_EQ(iso->mesh.points, again->mesh.points);
+    EXPECT_EQ(iso->mesh.triangles, again->mesh.triangles);
+  }
+  EXPECT_GE(refined, 1);
+}
+
 INSTANTIATE_TEST_SUITE_P(Solids, IsoSurfaceProperty, testing::Range<std::uint64_t>(0, 24));
 
 }  // namespace

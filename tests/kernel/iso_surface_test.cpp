@@ -102,6 +102,45 @@ TEST(IsoSurface, FindsSheetsThinnerThanTheGrid) {
   EXPECT_EQ(diagnose(iso.mesh).components, 1);
 }
 
+/// A block with a slot from top to bottom that is wider at its mouth than at its end: grown by 0.1
+/// only a gap that thins out from 0.02 to nothing is left of it.
+TriMesh slottedBlock() {
+  return test::prism({{0, 0}, {2, 0}, {2, 2}, {1.11, 2}, {1.1, 1}, {0.9, 1}, {0.89, 2}, {0, 2}},
+                     {{0, 5, 6}, {0, 6, 7}, {0, 1, 4}, {0, 4, 5}, {1, 2, 3}, {1, 3, 4}}, 0, 1);
+}
+
+TEST(IsoSurface, FindsGapsThatThinOutAndRefinesThereOnly) {
+  const SurfaceDistance surface = distanceTo(slottedBlock());
+  IsoSurfaceOptions options;
+  options.level = 0.1;
+  options.spacing = 0.06;
+  options.threads = 1;
+  options.mostRefinedNodes = 0;
+  const auto plain = isoSurface(surface, options);
+  ASSERT_TRUE(plain.has_value()) << plain.error().message;
+  EXPECT_TRUE(plain->unresolved);
+  EXPECT_DOUBLE_EQ(plain->finestSpacing, plain->spacing);
+
+  options.mostRefinedNodes = 2'000'000;
+  const auto iso = isoSurface(surface, options);
+  ASSERT_TRUE(iso.has_value()) << iso.error().message;
+  expectSound(surface, *iso, 0.1);
+  EXPECT_TRUE(iso->refined);
+  EXPECT_FALSE(iso->unresolved);
+  EXPECT_DOUBLE_EQ(iso->spacing, 0.06);
+  EXPECT_LT(iso->finestSpacing, 0.06 / 8);
+  // Both walls of the gap are there: far more than two spacings deep, where nothing was before.
+  const auto inGap = [](const IsoSurface& front) {
+    return std::ranges::count_if(front.mesh.points, [](const Vec3& p) {
+      return std::abs(p[0] - 1) < 0.01 && p[1] > 1.5 && p[1] < 1.8 && p[2] > 0.2 && p[2] < 0.8;
+    });
+  };
+  EXPECT_EQ(inGap(*plain), 0);
+  EXPECT_GT(inGap(*iso), 100);
+  // A grid of the finest cells everywhere would have thousands of times as many.
+  EXPECT_LT(iso->mesh.triangles.size(), 40 * plain->mesh.triangles.size());
+}
+
 TEST(IsoSurface, ConcaveEdgeOutwardStaysSharp) {
   const SurfaceDistance surface = distanceTo(test::lShape());
   const double d = 0.2;
@@ -182,6 +221,7 @@ TEST(IsoSurface, RefusesBadOptionsAndStopsWhenAsked) {
   EXPECT_EQ(code({.level = 0.1, .spacing = nan}), ErrorCode::InvalidArgument);
   EXPECT_EQ(code({.level = 0.1, .threads = -1}), ErrorCode::InvalidArgument);
   EXPECT_EQ(code({.level = 0.1, .mostSquares = 0}), ErrorCode::InvalidArgument);
+  EXPECT_EQ(code({.level = 0.1, .creaseTolerance = nan}), ErrorCode::InvalidArgument);
   EXPECT_EQ(code({.level = 0.1, .spacing = 1e-4}), ErrorCode::ResourceLimit);
   EXPECT_EQ(code({.level = 0.1, .spacing = 1e-9}), ErrorCode::ResourceLimit);
   const auto stopped =

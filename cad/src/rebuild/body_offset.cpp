@@ -269,7 +269,6 @@ class BodyOffsetter {
     clock_.lap("facets");
     if (!facets) return tl::unexpected(facets.error());
     report().setting = "facets of the iso-surface";
-    report().reach = facets->reach;
     report().check = std::move(facets->file.check);
     report().checkedFile = facets->file.fingerprint;
     report().facetedFaces = facets->facets;

@@ -24,6 +24,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <numeric>
 
 #include "exchange/guard.h"
 
@@ -153,9 +154,27 @@ TopoDS_Face makeFace(const FacetPolygon& polygon, const FacetedSurface& facets,
   return face;
 }
 
-/// The polygons of each shell. Each follows one that it shares a side with: readers that put shells
-/// together face by face need one pass then, and one for every few faces in any other order.
-std::vector<std::vector<Index>> shellsOf(std::size_t count, const Sides& sides) {
+double areaOf(const FacetedSurface& facets, const FacetPolygon& polygon) {
+  Vec3 twice = Vec3::Zero();
+  for (const Loop& loop : polygon.loops) {
+    const Vec3& first = facets.points[loop[0]];
+    for (std::size_t k = 1; k + 1 < loop.size(); ++k) {
+      twice += (facets.points[loop[k]] - first).cross(facets.points[loop[k + 1]] - first);
+    }
+  }
+  return twice.norm() / 2;
+}
+
+/// The polygons of each shell, the largest first: readers ask it which side of the shell is inside.
+/// Each of the others follows one that it shares a side with: readers that put shells together face
+/// by face need one pass then, and one for every few faces in any other order.
+std::vector<std::vector<Index>> shellsOf(const FacetedSurface& facets, const Sides& sides) {
+  const std::size_t count = facets.polygons.size();
+  std::vector<double> areas;
+  for (const FacetPolygon& polygon : facets.polygons) areas.push_back(areaOf(facets, polygon));
+  std::vector<std::size_t> bySize(count);
+  std::iota(bySize.begin(), bySize.end(), std::size_t{0});
+  std::ranges::stable_sort(bySize, std::ranges::greater{}, [&](std::size_t i) { return areas[i]; });
   std::vector<std::vector<Index>> beside(count);
   for (const Side& side : sides.all) {
     beside[static_cast<std::size_t>(side.forward)].push_back(side.backward);
@@ -163,7 +182,7 @@ std::vector<std::vector<Index>> shellsOf(std::size_t count, const Sides& sides) 
   }
   std::vector<std::vector<Index>> shells;
   std::vector<char> taken(count, 0);
-  for (std::size_t i = 0; i < count; ++i) {
+  for (const std::size_t i : bySize) {
     if (taken[i] != 0) continue;
     std::vector<Index> shell{static_cast<Index>(i)};
     taken[i] = 1;
@@ -192,13 +211,19 @@ void forFans(const FacetedSurface& facets, const std::vector<Index>& polygons, V
   }
 }
 
-double volumeOf(const FacetedSurface& facets, const std::vector<Index>& polygons,
+struct Extent {
+  double volume = 0;
+  double area = 0;  // at least that of the polygons
+};
+
+Extent extentOf(const FacetedSurface& facets, const std::vector<Index>& polygons,
                 const Vec3& origin) {
-  double sixfold = 0;
+  Extent extent;
   forFans(facets, polygons, [&](const Vec3& a, const Vec3& b, const Vec3& c) {
-    sixfold += (a - origin).dot((b - origin).cross(c - origin));
+    extent.volume += (a - origin).dot((b - origin).cross(c - origin)) / 6;
+    extent.area += (b - a).cross(c - a).norm() / 2;
   });
-  return sixfold / 6;
+  return extent;
 }
 
 bool surrounds(const FacetedSurface& facets, const std::vector<Index>& polygons, const Vec3& x) {
@@ -219,22 +244,20 @@ bool surrounds(const FacetedSurface& facets, const std::vector<Index>& polygons,
 /// For each shell the shell whose solid it belongs to: itself when positive; kNone when nothing
 /// surrounds a cavity.
 std::vector<Index> ownersOf(const FacetedSurface& facets,
-                            const std::vector<std::vector<Index>>& shells) {
-  const Vec3 origin = facets.points.front();
-  std::vector<double> volumes;
-  for (const auto& shell : shells) volumes.push_back(volumeOf(facets, shell, origin));
+                            const std::vector<std::vector<Index>>& shells,
+                            const std::vector<Extent>& extents) {
   std::vector<Index> owners(shells.size(), kNone);
   for (std::size_t s = 0; s < shells.size(); ++s) {
-    if (volumes[s] > 0) {
+    if (extents[s].volume > 0) {
       owners[s] = static_cast<Index>(s);
       continue;
     }
     const Vec3& inside = facets.points[facets.polygons[shells[s].front()].loops[0][0]];
     double smallest = std::numeric_limits<double>::infinity();
     for (std::size_t o = 0; o < shells.size(); ++o) {
-      if (volumes[o] <= -volumes[s] || volumes[o] >= smallest) continue;
+      if (extents[o].volume <= -extents[s].volume || extents[o].volume >= smallest) continue;
       if (!surrounds(facets, shells[o], inside)) continue;
-      smallest = volumes[o];
+      smallest = extents[o].volume;
       owners[s] = static_cast<Index>(o);
     }
   }
@@ -260,8 +283,12 @@ Result<TopoDS_Shape> build(const FacetedSurface& facets) {
   if (!sides) return tl::unexpected<Error>(sides.error());
   makeEdges(facets, *sides);
 
-  const std::vector<std::vector<Index>> shells = shellsOf(facets.polygons.size(), *sides);
-  const std::vector<Index> owners = ownersOf(facets, shells);
+  const std::vector<std::vector<Index>> shells = shellsOf(facets, *sides);
+  std::vector<Extent> extents;
+  for (const auto& shell : shells) {
+    extents.push_back(extentOf(facets, shell, facets.points.front()));
+  }
+  const std::vector<Index> owners = ownersOf(facets, shells, extents);
 
   const BRep_Builder builder;
   std::vector<TopoDS_Solid> solids(shells.size());
@@ -273,11 +300,15 @@ Result<TopoDS_Shape> build(const FacetedSurface& facets) {
   for (std::size_t s = 0; s < shells.size(); ++s) {
     if (owners[s] == static_cast<Index>(s)) continue;
     if (owners[s] == kNone) {
+      // A crumb of material so thin that its sides, each as far off as facets may be, have passed
+      // one another.
+      if (-extents[s].volume <= facets.maxDeviation * extents[s].area) continue;
       return fail(ErrorCode::Failed, "Facets close around empty space outside every solid.");
     }
     builder.Add(solids[owners[s]], makeShell(facets, shells[s], *sides));
   }
   std::erase_if(solids, [](const TopoDS_Solid& solid) { return solid.IsNull(); });
+  if (solids.empty()) return fail(ErrorCode::Failed, "Facets close around nothing.");
   if (solids.size() == 1) return TopoDS_Shape(solids.front());
   TopoDS_Compound compound;
   builder.MakeCompound(compound);

@@ -30,14 +30,17 @@ constexpr double kReach = 0.9992;
 // The part's triangles are so much finer than for exact patches: facets have nothing truer.
 constexpr double kFineness = 2;
 // The front: nodes, the deviation at creases in |d|, and its share of the time left.
-constexpr std::int64_t kFrontNodes = 1'000'000;
+constexpr std::int64_t kFrontNodes = 2'000'000;
 constexpr double kCreaseTolerance = 0.03;
-constexpr double kFrontShare = 0.5;
-constexpr double kLeastFrontSeconds = 15;
+constexpr double kFrontShare = 0.45;
+// Seconds on top of the time left: facets come last, when little is.
+constexpr double kExtraSeconds = 20;
 // Seconds for making facets and for one measurement: share of the time left, least and most.
 constexpr double kTimeShare = 0.6;
-constexpr double kLeastSeconds = 15;
+constexpr double kLeastSeconds = 10;
 constexpr double kMostSeconds = 40;
+// To read back and to check one of many facets: 0.5 and 0.4 ms were seen.
+constexpr double kSecondsPerFacet = 1e-3;
 // Coarse facets: some seconds whatever the part. The grid is no wider than the front is off the
 // part, else facets would cut through it.
 constexpr double kCoarseSpacing = 1.0 / 60;  // of the diagonal
@@ -80,30 +83,41 @@ class FacetStage {
   FacetStage(const OffsetOptions& options, const TrueDistance& phi, const BodyCheck& check,
              const Deadline& deadline, std::string name)
       : options_(options), phi_(phi), check_(check), deadline_(deadline), name_(std::move(name)) {
-    facetOptions_.tolerance = kShareOfTolerance * *options.tolerance;
-    facetOptions_.maxFacets = kMostFacets;
     facetOptions_.planeOfFace = planesOf(phi.tessellation().features);
     facetOptions_.threads = 1;  // a guarded child starts no thread
   }
 
-  Result<FacetAttempt> run(const Progress& progress) {
+  Result<FacetAttempt> fine(const Progress& progress) {
     const double level = kReach * options_.distance;
     FrontBounds bounds;
     bounds.nodes = kFrontNodes;
-    bounds.seconds = std::max(kLeastFrontSeconds, kFrontShare * deadline_.left());
+    bounds.seconds = kFrontShare * deadline_.left();
     bounds.creaseTolerance = kCreaseTolerance * std::abs(level);
     const Result<IsoSurface> front =
         makeFront(phi_.surface(), level, options_.threads, bounds, progress);
     if (!front && front.error().code == ErrorCode::Cancelled) {
       return tl::unexpected(front.error());
     }
-    FacetAttempt best = front ? attempt(*front, level) : nothing(front.error().message);
-    if (!best.bodies.empty()) return best;
-    FacetAttempt coarse = attemptCoarse();
-    if (coarse.bodies.empty()) return best;
-    std::vector<std::string>& reasons = coarse.file.check.reasons;
-    reasons.insert(reasons.begin(), best.file.check.reasons.begin(), best.file.check.reasons.end());
-    return coarse;
+    if (!front) return nothing(front.error().message);
+    facetOptions_.tolerance = kShareOfTolerance * *options_.tolerance;
+    facetOptions_.maxFacets = kMostFacets;
+    return attempt(*front, level);
+  }
+
+  FacetAttempt coarse() {
+    IsoSurfaceOptions coarse;
+    coarse.level = options_.distance;
+    coarse.spacing = std::min(kCoarseSpacing * phi_.surface().box().diagonal().norm(),
+                              kCoarseSpacingOfDistance * std::abs(options_.distance));
+    coarse.spacing =
+        std::max(*coarse.spacing, std::sqrt(area(phi_.surface().mesh()) / kCoarseSquares));
+    coarse.mostRefinedNodes = 0;
+    coarse.threads = options_.threads;
+    const Result<IsoSurface> front = isoSurface(phi_.surface(), coarse);
+    if (!front) return nothing(front.error().message);
+    facetOptions_.tolerance = kCoarseTolerance * std::abs(options_.distance);
+    facetOptions_.maxFacets = kCoarseFacets;
+    return attempt(*front, options_.distance);
   }
 
  private:
@@ -125,29 +139,15 @@ class FacetStage {
     int total = 0;
     header >> made.facets >> total;
     made.planarFaces = total - made.facets;
+    if (kSecondsPerFacet * total > std::max(deadline_.left(), kLeastSeconds)) {
+      return nothing(fmt::format("there is no time to check {} facets", total));
+    }
     const Result<TopoDS_Shape> solid = shapeOfBytes(std::string_view(*bytes).substr(headerEnd + 1));
     if (!solid) return nothing(solid.error().message);
-    made.reach = level / options_.distance;
     made.bodies = bodiesOf(*solid, BodyKind::Solid, name_);
     made.file =
         check_.fromFile(made.bodies, options_, deadline_.forStep(1, kLeastSeconds, kMostSeconds));
     return made;
-  }
-
-  FacetAttempt attemptCoarse() {
-    IsoSurfaceOptions coarse;
-    coarse.level = options_.distance;
-    coarse.spacing = std::min(kCoarseSpacing * phi_.surface().box().diagonal().norm(),
-                              kCoarseSpacingOfDistance * std::abs(options_.distance));
-    coarse.spacing =
-        std::max(*coarse.spacing, std::sqrt(area(phi_.surface().mesh()) / kCoarseSquares));
-    coarse.mostRefinedNodes = 0;
-    coarse.threads = options_.threads;
-    const Result<IsoSurface> front = isoSurface(phi_.surface(), coarse);
-    if (!front) return nothing(front.error().message);
-    facetOptions_.tolerance = kCoarseTolerance * std::abs(options_.distance);
-    facetOptions_.maxFacets = kCoarseFacets;
-    return attempt(*front, options_.distance);
   }
 
   const OffsetOptions& options_;
@@ -163,10 +163,22 @@ class FacetStage {
 Result<FacetAttempt> facetBody(const Body& healed, const OffsetOptions& options,
                                const TrueDistance& phi, const BodyCheck& check,
                                const Deadline& deadline, const Progress& progress) {
-  const Result<TrueDistance> fine =
-      distanceOf(healed, options.distance,
-                 deadline.forStep(kTimeShare, kLeastSeconds, kMostSeconds), kFineness);
-  return FacetStage(options, fine ? *fine : phi, check, deadline, healed.name).run(progress);
+  const Deadline end(deadline.left() + kExtraSeconds);
+  const double seconds = end.forStep(kTimeShare, kLeastSeconds, kMostSeconds);
+  const Result<TrueDistance> finer = distanceOf(healed, options.distance, seconds, kFineness);
+  Result<FacetAttempt> fine =
+      FacetStage(options, finer ? *finer : phi, check, end, healed.name).fine(progress);
+  if (!fine || !fine->bodies.empty()) return fine;
+  FacetAttempt coarse = coarseFacets(healed, options, phi, check, end);
+  if (coarse.bodies.empty()) return fine;
+  std::vector<std::string>& reasons = coarse.file.check.reasons;
+  reasons.insert(reasons.begin(), fine->file.check.reasons.begin(), fine->file.check.reasons.end());
+  return coarse;
+}
+
+FacetAttempt coarseFacets(const Body& healed, const OffsetOptions& options, const TrueDistance& phi,
+                          const BodyCheck& check, const Deadline& deadline) {
+  return FacetStage(options, phi, check, deadline, healed.name).coarse();
 }
 
 }  // namespace phront::cad

@@ -15,17 +15,21 @@ namespace phront::cad {
 
 struct FacetAttempt {
   std::vector<Body> bodies;  ///< empty: no solid could be made, the check says why
-  double reach = 1;          ///< made at so many times the distance
   int planarFaces = 0;       ///< offsets of planar faces, one polygon each
   int facets = 0;            ///< planar facets that stand in for curved offset surfaces
   FileCheck file;            ///< against the body as read
 };
 
-/// Facets of the front, checked; when there is no solid at all, coarse facets far off the
-/// tolerance, which then fail their check but are valid and closed. `healed` is the body that `phi`
-/// measures. Guarded; bounded by the deadline. Fails with Cancelled only.
+/// Facets of the front, checked; where there is no solid at all, coarse ones. `healed` is the body
+/// that `phi` measures. Guarded; bounded by the deadline. Fails with Cancelled only.
 [[nodiscard]] Result<FacetAttempt> facetBody(const Body& healed, const OffsetOptions& options,
                                              const TrueDistance& phi, const BodyCheck& check,
                                              const Deadline& deadline, const Progress& progress);
+
+/// Some seconds whatever the part: facets far off the tolerance, which fail their check but are
+/// valid and closed.
+[[nodiscard]] FacetAttempt coarseFacets(const Body& healed, const OffsetOptions& options,
+                                        const TrueDistance& phi, const BodyCheck& check,
+                                        const Deadline& deadline);
 
 }  // namespace phront::cad

@@ -205,6 +205,8 @@ class LevelGridBuilder {
       const GridIndex lower{side * block.index[0], side * block.index[1], side * block.index[2]};
       addCells(lower, grid_.coarse_, block.triangle, cells);
     }
+    // Beside split cells or not: asking costs little.
+    for (GridCell& cell : cells) cell.hanging = grid_.finest_ < grid_.coarse_;
     if (auto evaluated = evaluateFrom(first); !evaluated) return evaluated;
     collect(cells);
     return {};
@@ -302,8 +304,11 @@ class LevelGridBuilder {
   }
 
   [[nodiscard]] Index leafAt(const GridIndex& at) const {
-    return grid_.leafAt(at,
-                        [&](Index leaf) { return leaves_[static_cast<std::size_t>(leaf)].size; });
+    return grid_.leafAt(at, [&](Index leaf) {
+      const auto n = static_cast<std::size_t>(leaf);
+      const bool isSplit = n < split_.size() && split_[n] != 0;  // with no child left there
+      return isSplit ? 0 : leaves_[n].size;
+    });
   }
 
   /// The block around a place beyond side 2a + s of a cell.
