@@ -20,6 +20,7 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -27,6 +28,7 @@
 #include <vector>
 
 #include "exchange/guard.h"
+#include "exchange/measures.h"
 #include "judge/widest_gap.h"
 #include "tessellate/occt_mesh.h"
 
@@ -46,6 +48,10 @@ constexpr double kPlainMeshMiB = 2000;
 
 // Bnd_Box encloses poles, not the surface itself, so it is never too small; the rest is round-off.
 constexpr double kVolumeSlack = 1 + 1e-6;
+
+// Triangles of a face that cover so much more or less than the face does have folded over it: of
+// the area of all faces. Chords of curved faces make a thousandth.
+constexpr double kFoldedArea = 0.01;
 
 int countOf(const TopoDS_Shape& shape, TopAbs_ShapeEnum type) {
   TopTools_IndexedMapOfShape map;
@@ -122,6 +128,52 @@ TopologyFigures measureTopology(const TopoDS_Shape& shape) {
   return figures;
 }
 
+namespace {
+
+double areaOfTriangles(const TopoDS_Face& face) {
+  TopLoc_Location location;
+  const Handle(Poly_Triangulation) triangles = BRep_Tool::Triangulation(face, location);
+  double area = 0;
+  for (int i = 1; !triangles.IsNull() && i <= triangles->NbTriangles(); ++i) {
+    int a = 0;
+    int b = 0;
+    int c = 0;
+    triangles->Triangle(i).Get(a, b, c);
+    const gp_Pnt from = triangles->Node(a);
+    const gp_Vec first(from, triangles->Node(b));
+    const gp_Vec second(from, triangles->Node(c));
+    area += 0.5 * first.Crossed(second).Magnitude();
+  }
+  return area;
+}
+
+/// Faces whose triangles are there but do not lie on them.
+class FoldedFaces {
+ public:
+  explicit FoldedFaces(const TopoDS_Shape& shape) {
+    for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
+      faces_.push_back(TopoDS::Face(f.Current()));
+      areas_.push_back(areaOf(f.Current()));
+      total_ += areas_.back();
+    }
+  }
+  [[nodiscard]] int count() const {
+    int folded = 0;
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      const double meshed = areaOfTriangles(faces_[i]);
+      if (meshed > 0 && std::abs(meshed - areas_[i]) > kFoldedArea * total_) ++folded;
+    }
+    return folded;
+  }
+
+ private:
+  std::vector<TopoDS_Face> faces_;
+  std::vector<double> areas_;
+  double total_ = 0;
+};
+
+}  // namespace
+
 MeshSize meshSize(const OffsetScale& scale, double shareOfDiagonal, double shareOfDistance) {
   const double radius = std::abs(scale.distance);
   const double finest = scale.solid ? kFinestOfSolid : kFinestOfSheet;
@@ -142,11 +194,12 @@ int facesWithoutTriangles(const TopoDS_Shape& shape, const MeshSize& size) {
   BRepTools::Clean(shape);
   const Result<std::string> plain =
       runInChild("meshing", {kPlainMeshSeconds, kPlainMeshMiB}, [&]() -> Result<std::string> {
+        const FoldedFaces folded(shape);
         int missing = 0;
         for (const double angle : angles) {
           BRepTools::Clean(shape);
           BRepMesh_IncrementalMesh(shape, size.deflection, Standard_False, angle, Standard_False);
-          missing = std::max(missing, countWithoutTriangles(shape));
+          missing = std::max(missing, countWithoutTriangles(shape) + folded.count());
         }
         return std::to_string(missing);
       });

@@ -52,9 +52,10 @@ struct OffsetScale {
 /// What a user's programs tessellate such an offset with.
 [[nodiscard]] MeshSize usualMeshSize(const OffsetScale& scale);
 
-/// Faces that OpenCASCADE's mesher gives no triangles for when it is called plainly: what needs
-/// special care to be meshed here fails elsewhere. All faces when the mesher crashes; where it
-/// takes long, those that fail at their outlines. Leaves no triangles on the shape.
+/// Faces that OpenCASCADE's mesher gives no triangles for, or such as fold over the face, when it
+/// is called plainly: what needs special care to be meshed here fails elsewhere. All faces when the
+/// mesher crashes; where it takes long, those that fail at their outlines. Leaves no triangles on
+/// the shape.
 [[nodiscard]] int facesWithoutTriangles(const TopoDS_Shape& shape, const MeshSize& size);
 
 }  // namespace phront::cad
