@@ -16,8 +16,9 @@
 namespace phront::cad {
 namespace {
 
-// Of a STEP file of planar facets, the slowest kind; half of this was seen.
-constexpr double kSecondsPerMegabyte = 1;
+// The time limit is meant for files up to this size. STEP files of planar facets, the slowest kind,
+// take half a second for each MB.
+constexpr double kOrdinaryMegabytes = 20;
 
 Result<void> validate(const ReadOptions& options) {
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
@@ -52,8 +53,8 @@ Result<Model> readModel(const std::filesystem::path& path, const ReadOptions& op
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
   const double megabytes = unknown ? 0 : 1e-6 * static_cast<double>(size);
-  const GuardLimits limits{.seconds = options.timeLimit + kSecondsPerMegabyte * megabytes,
-                           .memoryMiB = options.memoryLimit};
+  const double seconds = options.timeLimit * std::max(1.0, megabytes / kOrdinaryMegabytes);
+  const GuardLimits limits{.seconds = seconds, .memoryMiB = options.memoryLimit};
   const auto bytes = runInChild(what, limits, [&]() -> Result<std::string> {
     auto loaded = loadCadFile(path, *file);
     if (!loaded) return unreadable(path, loaded.error().message);

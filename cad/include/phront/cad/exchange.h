@@ -15,8 +15,8 @@ enum class ShapeFormat { Step, Iges, Brep };
 [[nodiscard]] Result<ShapeFormat> shapeFormatOf(const std::filesystem::path& path);
 
 struct ReadOptions {
-  double timeLimit = 25;                    ///< seconds of the reading process, and one more for each MB of the file
-  double memoryLimit = 4096;                ///< MiB of the reading process
+  double timeLimit = 25;      ///< seconds of the reading process; above 20 MB in proportion
+  double memoryLimit = 4096;  ///< MiB of the reading process
   std::optional<double> sewTolerance = {};  ///< mm; automatic: 1e-5 of the diagonal
   double maxExtent = 1e7;                   ///< mm; larger models are refused as nonsense
   bool repair = true;  ///< false: take the shape as the file has it (for reading results back)
