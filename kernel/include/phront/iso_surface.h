@@ -38,7 +38,7 @@ struct IsoSurface {
   double finestSpacing = 0;         ///< of its smallest cells, around thin features
   double maxResidual = 0;           ///< measured max |phi - d| over the points
   bool refined = false;             ///< cells were halved
-  bool unresolved = false;          ///< the same, but a finer grid was not allowed
+  bool unresolved = false;          ///< features thinner than the cells were met and left out
 };
 
 /// Extracts phi = d from tiles around the level, places points on creases where feet of different
