@@ -98,38 +98,6 @@ int countWithoutTriangles(const TopoDS_Shape& shape) {
   return missing;
 }
 
-}  // namespace
-
-TopologyFigures measureTopology(const TopoDS_Shape& shape) {
-  TopologyFigures figures;
-  if (shape.IsNull()) return figures;
-  figures.solids = countOf(shape, TopAbs_SOLID);
-  figures.faces = countOf(shape, TopAbs_FACE);
-  figures.valid = BRepCheck_Analyzer(shape, Standard_True).IsValid();
-  const WidestGap gap = widestGap(shape);
-  figures.widestGap = gap.width;
-  figures.atGap = gap.at;
-
-  TopTools_IndexedMapOfShape shells;
-  TopExp::MapShapes(shape, TopAbs_SHELL, shells);
-  figures.shells = shells.Extent();
-  for (int i = 1; i <= shells.Extent(); ++i) countEdgeUses(shells(i), figures);
-  for (TopExp_Explorer f(shape, TopAbs_FACE, TopAbs_SHELL); f.More(); f.Next()) {
-    ++figures.looseFaces;
-  }
-
-  for (TopExp_Explorer s(shape, TopAbs_SOLID); s.More(); s.Next()) {
-    GProp_GProps properties;
-    BRepGProp::VolumeProperties(s.Current(), properties, Standard_False);
-    const double volume = properties.Mass();
-    figures.volume += volume;
-    if (!plausibleVolume(s.Current(), volume)) ++figures.badSolids;
-  }
-  return figures;
-}
-
-namespace {
-
 double areaOfTriangles(const TopoDS_Face& face) {
   TopLoc_Location location;
   const Handle(Poly_Triangulation) triangles = BRep_Tool::Triangulation(face, location);
@@ -173,6 +141,34 @@ class FoldedFaces {
 };
 
 }  // namespace
+
+TopologyFigures measureTopology(const TopoDS_Shape& shape) {
+  TopologyFigures figures;
+  if (shape.IsNull()) return figures;
+  figures.solids = countOf(shape, TopAbs_SOLID);
+  figures.faces = countOf(shape, TopAbs_FACE);
+  figures.valid = BRepCheck_Analyzer(shape, Standard_True).IsValid();
+  const WidestGap gap = widestGap(shape);
+  figures.widestGap = gap.width;
+  figures.atGap = gap.at;
+
+  TopTools_IndexedMapOfShape shells;
+  TopExp::MapShapes(shape, TopAbs_SHELL, shells);
+  figures.shells = shells.Extent();
+  for (int i = 1; i <= shells.Extent(); ++i) countEdgeUses(shells(i), figures);
+  for (TopExp_Explorer f(shape, TopAbs_FACE, TopAbs_SHELL); f.More(); f.Next()) {
+    ++figures.looseFaces;
+  }
+
+  for (TopExp_Explorer s(shape, TopAbs_SOLID); s.More(); s.Next()) {
+    GProp_GProps properties;
+    BRepGProp::VolumeProperties(s.Current(), properties, Standard_False);
+    const double volume = properties.Mass();
+    figures.volume += volume;
+    if (!plausibleVolume(s.Current(), volume)) ++figures.badSolids;
+  }
+  return figures;
+}
 
 MeshSize meshSize(const OffsetScale& scale, double shareOfDiagonal, double shareOfDistance) {
   const double radius = std::abs(scale.distance);

@@ -154,14 +154,23 @@ TopoDS_Face makeFace(const FacetPolygon& polygon, const FacetedSurface& facets,
   return face;
 }
 
-double areaOf(const FacetedSurface& facets, const FacetPolygon& polygon) {
-  Vec3 twice = Vec3::Zero();
-  for (const Loop& loop : polygon.loops) {
-    const Vec3& first = facets.points[loop[0]];
-    for (std::size_t k = 1; k + 1 < loop.size(); ++k) {
-      twice += (facets.points[loop[k]] - first).cross(facets.points[loop[k + 1]] - first);
+/// Calls visit(a, b, c) for the triangles of a fan over each loop: together they bound what the
+/// polygons bound, with parts outside non-convex loops counted both ways.
+template <class Visit>
+void forFans(const FacetedSurface& facets, const std::vector<Index>& polygons, Visit&& visit) {
+  for (const Index i : polygons) {
+    for (const Loop& loop : facets.polygons[i].loops) {
+      for (std::size_t k = 1; k + 1 < loop.size(); ++k) {
+        visit(facets.points[loop[0]], facets.points[loop[k]], facets.points[loop[k + 1]]);
+      }
     }
   }
+}
+
+double areaOf(const FacetedSurface& facets, Index polygon) {
+  Vec3 twice = Vec3::Zero();
+  forFans(facets, {polygon},
+          [&](const Vec3& a, const Vec3& b, const Vec3& c) { twice += (b - a).cross(c - a); });
   return twice.norm() / 2;
 }
 
@@ -171,7 +180,7 @@ double areaOf(const FacetedSurface& facets, const FacetPolygon& polygon) {
 std::vector<std::vector<Index>> shellsOf(const FacetedSurface& facets, const Sides& sides) {
   const std::size_t count = facets.polygons.size();
   std::vector<double> areas;
-  for (const FacetPolygon& polygon : facets.polygons) areas.push_back(areaOf(facets, polygon));
+  for (std::size_t i = 0; i < count; ++i) areas.push_back(areaOf(facets, static_cast<Index>(i)));
   std::vector<std::size_t> bySize(count);
   std::iota(bySize.begin(), bySize.end(), std::size_t{0});
   std::ranges::stable_sort(bySize, std::ranges::greater{}, [&](std::size_t i) { return areas[i]; });
@@ -196,19 +205,6 @@ std::vector<std::vector<Index>> shellsOf(const FacetedSurface& facets, const Sid
     shells.push_back(std::move(shell));
   }
   return shells;
-}
-
-/// Calls visit(a, b, c) for the triangles of a fan over each loop: together they bound what the
-/// polygons bound, with parts outside non-convex loops counted both ways.
-template <class Visit>
-void forFans(const FacetedSurface& facets, const std::vector<Index>& polygons, Visit&& visit) {
-  for (const Index i : polygons) {
-    for (const Loop& loop : facets.polygons[i].loops) {
-      for (std::size_t k = 1; k + 1 < loop.size(); ++k) {
-        visit(facets.points[loop[0]], facets.points[loop[k]], facets.points[loop[k + 1]]);
-      }
-    }
-  }
 }
 
 struct Extent {

@@ -21,7 +21,7 @@ struct FacetAttempt {
 };
 
 /// Facets of the front, checked; where there is no solid at all, coarse ones. `healed` is the body
-/// that `phi` measures. Guarded; bounded by the deadline. Fails with Cancelled only.
+/// that `phi` measures. Guarded; bounded by the deadline and 20 s. Fails with Cancelled only.
 [[nodiscard]] Result<FacetAttempt> facetBody(const Body& healed, const OffsetOptions& options,
                                              const TrueDistance& phi, const BodyCheck& check,
                                              const Deadline& deadline, const Progress& progress);

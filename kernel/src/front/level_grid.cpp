@@ -37,6 +37,12 @@ constexpr int kMostHalvings = 8;
 // Slack of the Lipschitz bound against round-off.
 constexpr double kBoundSlack = 1 + 1e-9;
 
+void sortUnique(std::vector<Index>& numbers) {
+  std::ranges::sort(numbers);
+  const auto rest = std::ranges::unique(numbers);
+  numbers.erase(rest.begin(), rest.end());
+}
+
 }  // namespace
 
 bool LevelGrid::crossedAt(const Vec3& x) const {
@@ -83,9 +89,7 @@ class LevelGridBuilder {
       });
     }
     while (!parents.empty()) {
-      std::ranges::sort(parents);
-      const auto rest = std::ranges::unique(parents);
-      parents.erase(rest.begin(), rest.end());
+      sortUnique(parents);
       if (auto made = makeChildren(parents); !made) return made;
       if (auto added = addClosure(missingBlocks()); !added) return added;
       parents = crossedTwice(besideOf(parents));
@@ -416,9 +420,7 @@ class LevelGridBuilder {
 
   /// Those of the leaves that have an edge crossed twice.
   [[nodiscard]] std::vector<Index> crossedTwice(std::vector<Index> leaves) const {
-    std::ranges::sort(leaves);
-    const auto rest = std::ranges::unique(leaves);
-    leaves.erase(rest.begin(), rest.end());
+    sortUnique(leaves);
     std::erase_if(leaves, [&](Index leaf) {
       return !boundaryOf(leaves_[static_cast<std::size_t>(leaf)]).twice;
     });

@@ -22,7 +22,8 @@ struct OffsetOptions {
   double mitreLimit = kMitreLimit;  ///< > 1
   int threads = 0;                  ///< 0: all cores
   /// s, > 0: all bodies and their checks together, shared out among attempts, facets and checks.
-  /// Writing and reading back come on top. What is not done by then is given up, with a sentence.
+  /// Facets of a body may take 20 s more; writing and reading back come on top. What is not done by
+  /// then is given up, with a sentence.
   double timeLimit = 75;
 };
 
