@@ -35,6 +35,7 @@
 #include "rebuild/assembly_bytes.h"
 #include "rebuild/cells.h"
 #include "rebuild/contact_cells.h"
+#include "rebuild/edge_uses.h"
 #include "rebuild/exact_offset.h"
 #include "rebuild/facet_gaps.h"
 #include "rebuild/facet_stage.h"
@@ -45,9 +46,11 @@
 #include "rebuild/living_cells.h"
 #include "rebuild/near_bodies.h"
 #include "rebuild/open_patches.h"
+#include "rebuild/plane_features.h"
 #include "rebuild/repair.h"
 #include "rebuild/reunite.h"
 #include "rebuild/select.h"
+#include "rebuild/straight_edges.h"
 #include "solids.h"
 
 namespace phront::cad {
@@ -302,7 +305,10 @@ TEST(FacetGaps, GiveUpPiecesAtFaultAndKeepTheOthers) {
   const TrueDistance phi = distanceOf(test::box(4, 3, 2), 0.005);
   const auto exact = tryExactOffset(test::box(4, 3, 2), true, d, phi, attemptSettings().front());
   ASSERT_TRUE(exact) << exact.error().message;
-  EXPECT_FALSE(facetGaps(facesOf(exact->shape), {d, 0.02 * d}, phi)) << "there is no gap";
+  const auto front = isoSurface(phi.surface(), {.level = d, .spacing = 0.25 * d});
+  ASSERT_TRUE(front) << front.error().message;
+  const FacetGapOptions options{d, 0.01 * d, planesOf(phi.tessellation().features)};
+  EXPECT_FALSE(facetGaps(facesOf(exact->shape), options, *front, phi)) << "there is no gap";
   const std::vector<TopoDS_Face> all = facesOf(exact->shape);
   for (std::size_t at = 0; at < all.size(); at += 6) {
     std::vector<TopoDS_Face> faces = all;
@@ -312,9 +318,10 @@ TEST(FacetGaps, GiveUpPiecesAtFaultAndKeepTheOthers) {
     shift.SetTranslation(gp_Vec(0.1, 0.1, 0.1));
     faces[next] = TopoDS::Face(faces[next].Moved(TopLoc_Location(shift)));
     faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(at));
-    const auto closed = facetGaps(faces, {d, 0.02 * d}, phi);
-    ASSERT_TRUE(closed) << "without face " << at;
+    const auto closed = facetGaps(faces, options, *front, phi);
+    ASSERT_TRUE(closed) << "without face " << at << ": " << closed.error().message;
     EXPECT_EQ(closed->faces.size() - static_cast<std::size_t>(closed->facets), all.size() - 2);
+    EXPECT_LE(closed->curvedFacets, closed->facets);
     std::map<const void*, int> uses;
     double area = 0;
     for (const TopoDS_Face& face : closed->faces) {
@@ -329,6 +336,31 @@ TEST(FacetGaps, GiveUpPiecesAtFaultAndKeepTheOthers) {
     GProp_GProps whole;
     BRepGProp::SurfaceProperties(exact->shape, whole);
     EXPECT_NEAR(area, whole.Mass(), 0.02 * whole.Mass());
+  }
+}
+
+TEST(StraightenOpenEdges, LinesStandForArcsWithinTheChord) {
+  // Half a cylinder and a cap of it: the arc between them is used twice, the others once.
+  const TopoDS_Shape cylinder = test::cylinder(5, 10);
+  std::vector<TopoDS_Face> faces = facesOf(cylinder);
+  ASSERT_EQ(faces.size(), 3U);
+  faces.pop_back();
+  const std::vector<TopoDS_Face> before = faces;
+  const double chord = 0.02;
+  EXPECT_TRUE(straightenOpenEdges(faces, {chord, 100, 0.1}).empty());
+  const EdgeUses uses(faces);
+  int lines = 0;
+  for (std::size_t e = 0; e < uses.faces.size(); ++e) {
+    if (uses.faces[e].size() != 1) continue;
+    ++lines;
+    EXPECT_EQ(BRepAdaptor_Curve(uses.edge(e)).GetType(), GeomAbs_Line);
+    EXPECT_LE(BRep_Tool::Tolerance(uses.edge(e)), 1.2 * chord);
+  }
+  // A chord of a circle of radius r is off by c where it spans sqrt(8 r c).
+  EXPECT_GE(lines, static_cast<int>(2 * std::numbers::pi * 5 / std::sqrt(8 * 5 * chord)));
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    EXPECT_TRUE(BRepCheck_Analyzer(faces[f]).IsValid());
+    EXPECT_NEAR(areaOf(faces[f]), areaOf(before[f]), 0.01 * areaOf(before[f]));
   }
 }
 
@@ -398,7 +430,6 @@ TEST(RepairPieces, CutsWhatWasLeftUncut) {
   const RepairRequest request{{d, diagonal, 0}, 0, 1e-5, judge};
   const auto repaired = repairPieces(judge(faces), request, phi, {60, 2000});
   ASSERT_TRUE(repaired) << repaired.error().message;
-  EXPECT_EQ(repaired->facetedFaces, 0);
   GProp_GProps is;
   GProp_GProps should;
   BRepGProp::VolumeProperties(repaired->shape, is);

@@ -58,6 +58,13 @@ constexpr rlim_t kCpuSlack = 5;
 
 enum class Outcome : std::uint32_t { Bytes, Error, OutOfMemory };
 
+std::atomic<std::int64_t>* lastBeat = nullptr;  // in a child: of its pulse
+
+std::int64_t nanoseconds() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch())
+      .count();
+}
+
 struct FrameHeader {
   std::uint32_t magic = 0x70687267;
   Outcome outcome = Outcome::Bytes;
@@ -185,6 +192,14 @@ void resetSignals() {
   ::fedisableexcept(FE_ALL_EXCEPT);
 }
 
+}  // namespace
+
+struct PulseAccess {
+  static std::atomic<std::int64_t>* lastOf(const Pulse& pulse) { return pulse.last_; }
+};
+
+namespace {
+
 [[noreturn]] void childMain(const std::string& what, const GuardLimits& limits,
                             const std::function<Result<std::string>()>& work, int pipe,
                             pid_t parent) {
@@ -198,6 +213,7 @@ void resetSignals() {
   ::dup2(pipe, kPipe);
   ::close_range(kPipe + 1, ~0U, 0);
   limitResources(limits);
+  if (limits.pulse != nullptr) lastBeat = PulseAccess::lastOf(*limits.pulse);
   runOnLargeStack(ChildJob{&what, &work, kPipe});
 }
 
@@ -212,6 +228,7 @@ struct Collected {
   int status = 0;  // of waitpid
   bool haveStatus = false;
   bool timedOut = false;
+  bool silent = false;  // the reason for it
   bool cancelled = false;
 };
 
@@ -239,13 +256,15 @@ bool drain(int fd, std::string& bytes) {
   }
 }
 
-Collected collect(pid_t child, int fd, double seconds) {
+Collected collect(pid_t child, int fd, const GuardLimits& limits) {
   Collected collected;
-  const auto deadline = Clock::now() + std::chrono::duration<double>(std::clamp(seconds, 0.0, 1e6));
+  const auto deadline =
+      Clock::now() + std::chrono::duration<double>(std::clamp(limits.seconds, 0.0, 1e6));
   for (;;) {
     const double left = std::chrono::duration<double>(deadline - Clock::now()).count();
     collected.cancelled = isCancelled();
-    collected.timedOut = left <= 0;
+    collected.silent = limits.pulse != nullptr && limits.pulse->silence() > limits.silence;
+    collected.timedOut = left <= 0 || collected.silent;
     if (collected.cancelled || collected.timedOut) break;
     pollfd entry{fd, POLLIN, 0};
     ::poll(&entry, 1, std::min(kPollMs, static_cast<int>(std::ceil(left * 1000))));
@@ -280,6 +299,12 @@ std::string signalSentence(int signal) {
 
 Error cancelError(const std::string& what) {
   return {ErrorCode::Cancelled, what + " was cancelled", {}};
+}
+
+Error silenceError(const std::string& what, const GuardLimits& limits) {
+  return {ErrorCode::ResourceLimit,
+          fmt::format("{} hung: no progress within {:g} s", what, limits.silence),
+          {}};
 }
 
 Error timeError(const std::string& what, const GuardLimits& limits) {
@@ -324,6 +349,7 @@ Result<std::string> decode(const std::string& what, const GuardLimits& limits,
       bytes.size() == sizeof header + header.messageSize + header.whereSize + header.payloadSize;
   if (!complete) {
     if (collected.cancelled) return tl::unexpected<Error>(cancelError(what));
+    if (collected.silent) return tl::unexpected<Error>(silenceError(what, limits));
     if (collected.timedOut) return tl::unexpected<Error>(timeError(what, limits));
     return tl::unexpected<Error>(deathError(what, limits, collected));
   }
@@ -365,9 +391,32 @@ Result<std::string> runInChild(const std::string& what, const GuardLimits& limit
     ::close(ends[0]);
     return fail(ErrorCode::ResourceLimit, what + ": the system refuses another process");
   }
-  const Collected collected = collect(child, ends[0], limits.seconds);
+  const Collected collected = collect(child, ends[0], limits);
   ::close(ends[0]);
   return decode(what, limits, collected);
+}
+
+Pulse::Pulse() {
+  void* memory = ::mmap(nullptr, sizeof(std::atomic<std::int64_t>), PROT_READ | PROT_WRITE,
+                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
+  last_ = memory == MAP_FAILED ? nullptr : new (memory) std::atomic<std::int64_t>(0);
+}
+
+Pulse::~Pulse() {
+  if (last_ != nullptr) ::munmap(last_, sizeof(std::atomic<std::int64_t>));
+}
+
+double Pulse::silence() const {
+  const std::int64_t last = last_ == nullptr ? 0 : last_->load(std::memory_order_relaxed);
+  return last == 0 ? 0 : 1e-9 * static_cast<double>(nanoseconds() - last);
+}
+
+void Pulse::beat() {
+  if (lastBeat != nullptr) lastBeat->store(nanoseconds(), std::memory_order_relaxed);
+}
+
+void Pulse::rest() {
+  if (lastBeat != nullptr) lastBeat->store(0, std::memory_order_relaxed);
 }
 
 CancelScope::CancelScope(const std::atomic<bool>& cancelled) { cancelFlag = &cancelled; }

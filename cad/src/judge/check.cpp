@@ -314,8 +314,9 @@ Figures measureAgainst(const ModelDistance& in, const Model& out, const Tessella
   // Meshing again takes time; only a pass can suffer.
   if (check.meshPlainly && judge(figures, tolerance).pass()) {
     const double diagonal = in.box().diagonal().norm();
-    figures.untessellated =
-        facesWithoutTriangles(shape, usualMeshSize({diagonal, options.distance, figures.solidIn}));
+    figures.untessellated = static_cast<int>(
+        facesWithoutTriangles(shape, usualMeshSize({diagonal, options.distance, figures.solidIn}))
+            .size());
   }
   return figures;
 }

@@ -24,6 +24,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -88,16 +89,6 @@ bool plausibleVolume(const TopoDS_Shape& solid, double volume) {
   return volume <= size.X() * size.Y() * size.Z() * kVolumeSlack;
 }
 
-int countWithoutTriangles(const TopoDS_Shape& shape) {
-  int missing = 0;
-  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
-    TopLoc_Location location;
-    const auto triangles = BRep_Tool::Triangulation(TopoDS::Face(f.Current()), location);
-    if (triangles.IsNull() || triangles->NbTriangles() == 0) ++missing;
-  }
-  return missing;
-}
-
 double areaOfTriangles(const TopoDS_Face& face) {
   TopLoc_Location location;
   const Handle(Poly_Triangulation) triangles = BRep_Tool::Triangulation(face, location);
@@ -115,23 +106,30 @@ double areaOfTriangles(const TopoDS_Face& face) {
   return area;
 }
 
-/// Faces whose triangles are there but do not lie on them.
-class FoldedFaces {
+/// The faces of a shape that its triangles do not cover, or fold over.
+class MeshedFaces {
  public:
-  explicit FoldedFaces(const TopoDS_Shape& shape) {
+  explicit MeshedFaces(const TopoDS_Shape& shape) {
     for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
       faces_.push_back(TopoDS::Face(f.Current()));
       areas_.push_back(areaOf(f.Current()));
       total_ += areas_.back();
     }
   }
-  [[nodiscard]] int count() const {
-    int folded = 0;
+  [[nodiscard]] int count() const { return static_cast<int>(faces_.size()); }
+  void addMissing(std::set<int>& numbers) const {
+    for (std::size_t i = 0; i < faces_.size(); ++i) {
+      TopLoc_Location location;
+      const Handle(Poly_Triangulation) triangles = BRep_Tool::Triangulation(faces_[i], location);
+      if (triangles.IsNull() || triangles->NbTriangles() == 0) numbers.insert(static_cast<int>(i));
+    }
+  }
+  void addFolded(std::set<int>& numbers) const {
     for (std::size_t i = 0; i < faces_.size(); ++i) {
       const double meshed = areaOfTriangles(faces_[i]);
-      if (meshed > 0 && std::abs(meshed - areas_[i]) > kFoldedArea * total_) ++folded;
+      if (meshed > 0 && std::abs(meshed - areas_[i]) > kFoldedArea * total_)
+        numbers.insert(static_cast<int>(i));
     }
-    return folded;
   }
 
  private:
@@ -184,27 +182,36 @@ MeshSize usualMeshSize(const OffsetScale& scale) {
   return meshSize(scale, kUsualOfDiagonal, kUsualOfDistance);
 }
 
-int facesWithoutTriangles(const TopoDS_Shape& shape, const MeshSize& size) {
+std::vector<int> facesWithoutTriangles(const TopoDS_Shape& shape, const MeshSize& size) {
   // Where an outline nearly touches itself it is a matter of luck which angle fails.
   const std::set<double> angles{kAngle, size.angle};
   BRepTools::Clean(shape);
+  const MeshedFaces faces(shape);
   const Result<std::string> plain =
       runInChild("meshing", {kPlainMeshSeconds, kPlainMeshMiB}, [&]() -> Result<std::string> {
-        const FoldedFaces folded(shape);
-        int missing = 0;
+        std::set<int> faulty;
         for (const double angle : angles) {
           BRepTools::Clean(shape);
           BRepMesh_IncrementalMesh(shape, size.deflection, Standard_False, angle, Standard_False);
-          missing = std::max(missing, countWithoutTriangles(shape) + folded.count());
+          faces.addMissing(faulty);
+          faces.addFolded(faulty);
         }
-        return std::to_string(missing);
+        std::string numbers;
+        for (const int number : faulty) numbers += std::to_string(number) + ' ';
+        return numbers;
       });
-  if (plain) return std::stoi(*plain);
-  if (plain.error().code != ErrorCode::ResourceLimit) return countOf(shape, TopAbs_FACE);
-  meshOutlines(shape, size.deflection, size.angle);
-  const int missing = countWithoutTriangles(shape);
-  BRepTools::Clean(shape);
-  return missing;
+  std::set<int> faulty;
+  if (plain) {
+    std::istringstream numbers(*plain);
+    for (int number = 0; numbers >> number;) faulty.insert(number);
+  } else if (plain.error().code == ErrorCode::ResourceLimit) {
+    meshOutlines(shape, size.deflection, size.angle);
+    faces.addMissing(faulty);
+    BRepTools::Clean(shape);
+  } else {
+    for (int number = 0; number < faces.count(); ++number) faulty.insert(number);
+  }
+  return {faulty.begin(), faulty.end()};
 }
 
 }  // namespace phront::cad

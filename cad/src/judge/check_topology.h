@@ -2,6 +2,7 @@
 #pragma once
 
 #include <TopoDS_Shape.hxx>
+#include <vector>
 
 #include "phront/types.h"
 
@@ -52,10 +53,11 @@ struct OffsetScale {
 /// What a user's programs tessellate such an offset with.
 [[nodiscard]] MeshSize usualMeshSize(const OffsetScale& scale);
 
-/// Faces that OpenCASCADE's mesher gives no triangles for, or such as fold over the face, when it
-/// is called plainly: what needs special care to be meshed here fails elsewhere. All faces when the
-/// mesher crashes; where it takes long, those that fail at their outlines. Leaves no triangles on
-/// the shape.
-[[nodiscard]] int facesWithoutTriangles(const TopoDS_Shape& shape, const MeshSize& size);
+/// Faces (numbers in TopExp_Explorer's order) that OpenCASCADE's mesher gives no triangles for, or
+/// such as fold over the face, when it is called plainly: what needs special care to be meshed here
+/// fails elsewhere. All faces when the mesher crashes; where it takes long, those that fail at
+/// their outlines. Leaves no triangles on the shape.
+[[nodiscard]] std::vector<int> facesWithoutTriangles(const TopoDS_Shape& shape,
+                                                     const MeshSize& size);
 
 }  // namespace phront::cad

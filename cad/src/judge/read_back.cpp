@@ -53,7 +53,7 @@ std::string faultOf(const TopoDS_Shape& shape, bool solid, const MeshSize& size)
   if (solid && figures.solids == 0) return "the file holds no solid";
   if (solid && !figures.closed()) return "read back from a file it is not closed";
   if (!figures.valid) return "read back from a file it is not valid";
-  const int bad = facesWithoutTriangles(shape, size);
+  const std::size_t bad = facesWithoutTriangles(shape, size).size();
   if (bad > 0) return fmt::format("read back from a file {} faces cannot be tessellated", bad);
   return {};
 }

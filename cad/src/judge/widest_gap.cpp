@@ -1,6 +1,6 @@
 // A tolerance can close any hole: valid and closed say nothing where it is large. But fusing also
 // leaves tolerances many times as large as what they bridge. Only places whose tolerance exceeds
-// the widest gap found so far are measured.
+// the limit are measured.
 #include "judge/widest_gap.h"
 
 #include <BRep_Tool.hxx>
@@ -12,11 +12,11 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
-#include <TopoDS_Face.hxx>
 #include <TopoDS_Vertex.hxx>
 #include <algorithm>
 #include <cmath>
 #include <gp_Pnt.hxx>
+#include <utility>
 
 namespace phront::cad {
 namespace {
@@ -25,22 +25,17 @@ constexpr int kSamples = 23;  // along an edge
 
 class GapFinder {
  public:
-  WidestGap find(const TopoDS_Shape& shape) {
-    TopTools_IndexedMapOfShape faces;
-    TopExp::MapShapes(shape, TopAbs_FACE, faces);
-    for (int f = 1; f <= faces.Extent(); ++f) {
-      const TopoDS_Face& face = TopoDS::Face(faces(f));
-      for (TopExp_Explorer e(face, TopAbs_EDGE); e.More(); e.Next())
-        look(TopoDS::Edge(e.Current()), face);
-    }
-    return gap_;
+  GapFinder(const TopoDS_Face& face, double limit)
+      : face_(face), surface_(BRep_Tool::Surface(face)), limit_(limit) {}
+
+  std::vector<FaceGap> find() {
+    for (TopExp_Explorer e(face_, TopAbs_EDGE); e.More(); e.Next()) look(TopoDS::Edge(e.Current()));
+    return std::move(gaps_);
   }
 
  private:
-  void note(double width, const gp_Pnt& at) {
-    if (width <= gap_.width) return;
-    gap_.width = width;
-    gap_.at = Vec3(at.X(), at.Y(), at.Z());
+  void note(double width, const gp_Pnt& at, const gp_Pnt2d& onFace) {
+    if (width > limit_) gaps_.push_back({onFace, width, Vec3(at.X(), at.Y(), at.Z())});
   }
 
   static double largestTolerance(const TopoDS_Edge& edge) {
@@ -50,21 +45,19 @@ class GapFinder {
     return largest;
   }
 
-  void look(const TopoDS_Edge& edge, const TopoDS_Face& face) {
-    if (largestTolerance(edge) <= gap_.width) return;
+  void look(const TopoDS_Edge& edge) {
+    if (largestTolerance(edge) <= limit_) return;
     double first = 0;
     double last = 0;
-    const Handle(Geom2d_Curve) onFace = BRep_Tool::CurveOnSurface(edge, face, first, last);
+    const Handle(Geom2d_Curve) onFace = BRep_Tool::CurveOnSurface(edge, face_, first, last);
     if (onFace.IsNull()) return;  // BRepCheck has its say
-    const Handle(Geom_Surface) surface = BRep_Tool::Surface(face);
-    const auto pointOnFace = [&](double t) {
+    const auto compare = [&](const gp_Pnt& at, double t) {
       const gp_Pnt2d uv = onFace->Value(t);
-      return surface->Value(uv.X(), uv.Y());
+      note(at.Distance(surface_->Value(uv.X(), uv.Y())), at, uv);
     };
     for (TopExp_Explorer v(edge, TopAbs_VERTEX); v.More(); v.Next()) {
       const TopoDS_Vertex& vertex = TopoDS::Vertex(v.Current());
-      const gp_Pnt at = BRep_Tool::Pnt(vertex);
-      note(at.Distance(pointOnFace(BRep_Tool::Parameter(vertex, edge, face))), at);
+      compare(BRep_Tool::Pnt(vertex), BRep_Tool::Parameter(vertex, edge, face_));
     }
     if (BRep_Tool::Degenerated(edge)) return;
     double from = 0;
@@ -72,26 +65,43 @@ class GapFinder {
     const Handle(Geom_Curve) curve = BRep_Tool::Curve(edge, from, to);
     if (curve.IsNull()) return;
     if (!BRep_Tool::SameParameter(edge) || from != first || to != last) {
-      note(BRep_Tool::Tolerance(edge), curve->Value((from + to) / 2));
+      note(BRep_Tool::Tolerance(edge), curve->Value((from + to) / 2),
+           onFace->Value((first + last) / 2));
       return;
     }
     for (TopExp_Explorer v(edge, TopAbs_VERTEX); v.More(); v.Next()) {
       const TopoDS_Vertex& vertex = TopoDS::Vertex(v.Current());
       const gp_Pnt at = BRep_Tool::Pnt(vertex);
-      note(at.Distance(curve->Value(BRep_Tool::Parameter(vertex, edge))), at);
+      const double t = BRep_Tool::Parameter(vertex, edge);
+      note(at.Distance(curve->Value(t)), at, onFace->Value(t));
     }
     for (int i = 0; i < kSamples; ++i) {
       const double t = std::lerp(from, to, static_cast<double>(i) / (kSamples - 1));
-      const gp_Pnt at = curve->Value(t);
-      note(at.Distance(pointOnFace(t)), at);
+      compare(curve->Value(t), t);
     }
   }
 
-  WidestGap gap_;
+  const TopoDS_Face& face_;
+  const Handle(Geom_Surface) surface_;
+  const double limit_;
+  std::vector<FaceGap> gaps_;
 };
 
 }  // namespace
 
-WidestGap widestGap(const TopoDS_Shape& shape) { return GapFinder().find(shape); }
+std::vector<FaceGap> gapsOf(const TopoDS_Face& face, double limit) {
+  return GapFinder(face, limit).find();
+}
+
+WidestGap widestGap(const TopoDS_Shape& shape) {
+  WidestGap widest;
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  for (int f = 1; f <= faces.Extent(); ++f) {
+    for (const FaceGap& gap : gapsOf(TopoDS::Face(faces(f)), widest.width))
+      if (gap.width > widest.width) widest = {gap.width, gap.at};
+  }
+  return widest;
+}
 
 }  // namespace phront::cad

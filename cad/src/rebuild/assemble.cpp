@@ -49,8 +49,6 @@ constexpr double kUnusedArea = 5e-3;
 /// How well a fitted patch meets its edges, of |d|, and how far it is sewn, in parts of that.
 constexpr double kPatchTolerance = 1e-4;
 constexpr double kPatchSewing = 3;
-/// How far facets in gaps may be off the level, of |d|: they cover little of the area.
-constexpr double kFacetTolerance = 0.02;
 /// Solids thinner than this share of the diagonal (volume over area) have no volume.
 constexpr double kNoVolume = 1e-7;
 
@@ -208,17 +206,18 @@ class Assembler {
     return result;
   }
 
-  Assembly fromFacetedPieces() {
+  Result<Assembly> fromFacetedPieces(const FacetGapOptions& options, const IsoSurface& front) {
     std::vector<TopoDS_Face> faces;
     for (const TopoDS_Shape& face : live_) faces.push_back(TopoDS::Face(face));
-    const std::optional<FacetedGaps> gaps =
-        facetGaps(faces, {options_.distance, kFacetTolerance * std::abs(options_.distance)}, phi_);
-    if (!gaps) return {};
+    const Result<FacetedGaps> gaps = facetGaps(faces, options, front, phi_);
+    if (!gaps) return tl::unexpected<Error>(gaps.error());
     const std::vector<TopoDS_Shape> all(gaps->faces.begin(), gaps->faces.end());
     liveArea_ = 0;  // of what is left
     for (const TopoDS_Shape& face : all) liveArea_ += areaOf(face);
     Assembly result = finish(cellsOf(all), "pieces and facets");
-    result.facetedFaces = gaps->facets;
+    result.facetedFaces = gaps->curvedFacets;
+    if (result.shape.IsNull() || result.openEdges > 0)
+      return fail(ErrorCode::Failed, "pieces and facets do not close");
     return result;
   }
 
@@ -283,13 +282,18 @@ Assembly assembleSolids(const std::vector<JudgedFace>& faces, const AssembleOpti
   return best;
 }
 
-Assembly assembleWithFacets(const std::vector<JudgedFace>& faces, const AssembleOptions& options,
-                            const TrueDistance& phi) {
-  try {
-    return Assembler(faces, options, phi).fromFacetedPieces();
-  } catch (const Standard_Failure&) {
-    return {};
+Result<Assembly> assembleWithFacets(const std::vector<TopoDS_Face>& pieces,
+                                    const AssembleOptions& options, const FacetGapOptions& facets,
+                                    const IsoSurface& front, const TrueDistance& phi) {
+  std::vector<JudgedFace> live;
+  for (const TopoDS_Face& piece : pieces) {
+    JudgedFace judged;
+    judged.face = piece;
+    judged.samples = interiorSamples(piece);
+    judged.live = true;
+    live.push_back(std::move(judged));
   }
+  return Assembler(live, options, phi).fromFacetedPieces(facets, front);
 }
 
 Assembly assembleSheet(const std::vector<JudgedFace>& faces, const AssembleOptions& options,

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "rebuild/facet_gaps.h"
 #include "rebuild/select.h"
 #include "tessellate/true_distance.h"
 
@@ -31,10 +32,12 @@ struct Assembly {
 [[nodiscard]] Assembly assembleSolids(const std::vector<JudgedFace>& faces,
                                       const AssembleOptions& options, const TrueDistance& phi);
 
-/// The last way: pieces at fault and gaps give way to planar triangles. A null shape when that does
-/// not close.
-[[nodiscard]] Assembly assembleWithFacets(const std::vector<JudgedFace>& faces,
-                                          const AssembleOptions& options, const TrueDistance& phi);
+/// The last way: pieces at fault and gaps give way to facets of the front, see facetGaps(). Fails
+/// when that does not close. May throw, hang or crash with OpenCASCADE.
+[[nodiscard]] Result<Assembly> assembleWithFacets(const std::vector<TopoDS_Face>& pieces,
+                                                  const AssembleOptions& options,
+                                                  const FacetGapOptions& facets,
+                                                  const IsoSurface& front, const TrueDistance& phi);
 
 /// Live pieces sewn, facing along (d > 0) the normals of the input.
 [[nodiscard]] Assembly assembleSheet(const std::vector<JudgedFace>& faces,

@@ -10,12 +10,14 @@
 #include <BRep_Builder.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopoDS_Compound.hxx>
+#include <TopoDS_Iterator.hxx>
 #include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <thread>
+#include <utility>
 
 #include "exchange/guard.h"
 #include "exchange/shape_bytes.h"
@@ -33,30 +35,39 @@ constexpr double kLeastCheckSeconds = 10;  // also past the deadline: an attempt
 // No attempt is started with less time than this left, s.
 constexpr double kLeastAttempt = 1;
 constexpr double kReuniteSeconds = 5;
+// For one pair of faces or of an edge and a face, s.
+constexpr double kSilence = 8;
 // Nor with less than this share of the time that another setting found too short.
 constexpr double kShareOfTimeout = 0.5;
 
 struct Trial {
   std::string line;
   std::optional<JudgedAttempt> judged;
+  TopoDS_Shape pieces;
   bool accepted = false;
   bool timedOut = false;
-
-  /// Nothing that comes later could be better.
-  [[nodiscard]] bool settles() const { return accepted && judged->facetedFaces == 0; }
+  bool hung = false;
 };
 
-// Bytes across the process border: 8 bytes of header length, JSON header, shape.
+// Bytes across the process border: 8 bytes of header length, JSON header, a compound of the shape
+// and the pieces, which share much, as far as there are any.
 std::string packAttempt(const AttemptResult& attempt) {
-  const nlohmann::json header = {
-      {"raw", attempt.rawFaces},       {"split", attempt.splitFaces},
-      {"kept", attempt.keptFaces},     {"open", attempt.openEdges},
-      {"fitted", attempt.fittedFaces}, {"faceted", attempt.facetedFaces},
-      {"notes", attempt.notes},        {"empty", attempt.shape.IsNull()}};
+  const nlohmann::json header = {{"raw", attempt.rawFaces},
+                                 {"split", attempt.splitFaces},
+                                 {"kept", attempt.keptFaces},
+                                 {"open", attempt.openEdges},
+                                 {"fitted", attempt.fittedFaces},
+                                 {"fault", attempt.fault},
+                                 {"notes", attempt.notes},
+                                 {"hasShape", !attempt.shape.IsNull()},
+                                 {"hasPieces", !attempt.pieces.IsNull()}};
   const std::string text = header.dump();
-  std::string bytes = fmt::format("{:08d}", text.size()) + text;
-  if (!attempt.shape.IsNull()) bytes += bytesOfShape(attempt.shape);
-  return bytes;
+  const BRep_Builder builder;
+  TopoDS_Compound both;
+  builder.MakeCompound(both);
+  if (!attempt.shape.IsNull()) builder.Add(both, attempt.shape);
+  if (!attempt.pieces.IsNull()) builder.Add(both, attempt.pieces);
+  return fmt::format("{:08d}", text.size()) + text + bytesOfShape(both);
 }
 
 Result<AttemptResult> unpackAttempt(const std::string& bytes) {
@@ -68,12 +79,16 @@ Result<AttemptResult> unpackAttempt(const std::string& bytes) {
   attempt.keptFaces = header["kept"];
   attempt.openEdges = header["open"];
   attempt.fittedFaces = header["fitted"];
-  attempt.facetedFaces = header["faceted"];
+  attempt.fault = header["fault"];
   attempt.notes = header["notes"].get<std::vector<std::string>>();
-  if (!header["empty"].get<bool>()) {
-    Result<TopoDS_Shape> shape = shapeOfBytes(std::string_view(bytes).substr(8 + headerSize));
-    if (!shape) return tl::unexpected(shape.error());
-    attempt.shape = *shape;
+  Result<TopoDS_Shape> both = shapeOfBytes(std::string_view(bytes).substr(8 + headerSize));
+  if (!both) return tl::unexpected(both.error());
+  TopoDS_Iterator part(*both);
+  for (const auto& [name, target] :
+       {std::pair{"hasShape", &attempt.shape}, std::pair{"hasPieces", &attempt.pieces}}) {
+    if (!header[name].get<bool>()) continue;
+    *target = part.Value();
+    part.Next();
   }
   return attempt;
 }
@@ -86,8 +101,9 @@ Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDista
     trial.line = fmt::format("{}: {} ({:.1f} s)", setting.name, outcome, secondsSince(start));
   };
   const bool solid = healed.kind == BodyKind::Solid;
+  const Pulse pulse;
   const Result<std::string> bytes = runInChild(
-      "offset by exact patches", {setting.timeLimit, kAttemptMemoryMiB},
+      "offset by exact patches", {setting.timeLimit, kAttemptMemoryMiB, &pulse, kSilence},
       [&]() -> Result<std::string> {
         Result<AttemptResult> attempt = tryExactOffset(
             occtShape(healed.shape), solid, setting.reach * options.distance, phi, setting);
@@ -95,7 +111,8 @@ Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDista
         return packAttempt(*attempt);
       });
   if (!bytes) {
-    trial.timedOut = bytes.error().code == ErrorCode::ResourceLimit;
+    trial.hung = pulse.silence() > kSilence;
+    trial.timedOut = !trial.hung && bytes.error().code == ErrorCode::ResourceLimit;
     say(bytes.error().message);
     return trial;
   }
@@ -104,9 +121,14 @@ Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDista
     say(attempt.error().message);
     return trial;
   }
-  const std::string counts = fmt::format("{} raw faces, {} pieces, {} kept, {} fitted, {} facets",
-                                         attempt->rawFaces, attempt->splitFaces, attempt->keptFaces,
-                                         attempt->fittedFaces, attempt->facetedFaces);
+  trial.pieces = attempt->pieces;
+  if (!attempt->fault.empty()) {
+    say(attempt->fault);
+    return trial;
+  }
+  const std::string counts =
+      fmt::format("{} raw faces, {} pieces, {} kept, {} fitted", attempt->rawFaces,
+                  attempt->splitFaces, attempt->keptFaces, attempt->fittedFaces);
   if (attempt->shape.IsNull()) {
     say("nothing left; " + counts);
     return trial;
@@ -115,7 +137,6 @@ Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDista
   judged.setting = setting.name;
   judged.reach = setting.reach;
   judged.fittedFaces = attempt->fittedFaces;
-  judged.facetedFaces = attempt->facetedFaces;
   // False where the shape itself is at fault, not where it lies.
   const auto judge = [&](const TopoDS_Shape& shape) {
     judged.bodies = bodiesOf(shape, healed.kind, healed.name);
@@ -124,7 +145,7 @@ Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDista
     return judged.file.check.pass() || judged.file.check.sound();
   };
   TopoDS_Shape whole;
-  if (solid && attempt->fittedFaces + attempt->facetedFaces == 0)
+  if (solid && attempt->fittedFaces == 0)
     whole = reuniteFaces(attempt->shape, phi, std::clamp(deadline.left(), 1.0, kReuniteSeconds));
   if (whole.IsNull() || !judge(whole)) judge(attempt->shape);
   const CheckResult& verdict = judged.file.check;
@@ -156,22 +177,22 @@ std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::
 
 AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const TrueDistance& phi,
                        const BodyCheck& check, const Deadline& deadline, const Progress& progress) {
-  const std::vector<AttemptSetting> settings = attemptSettings();
+  std::vector<AttemptSetting> settings = attemptSettings();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
   const std::size_t wave = threads >= 2 ? 2 : 1;
   const bool sheet = healed.kind == BodyKind::Sheet;
   AttemptLog log;
   double leastWorth = kLeastAttempt;
+  bool hung = false;
   const auto serves = [&](const AttemptSetting& setting) {
     return !sheet || (setting.reach == 1 && setting.repairSeconds == 0 && !setting.dividesBends);
   };
-  std::size_t most = settings.size();
-  for (std::size_t next = 0; next < most;) {
+  for (std::size_t next = 0; next < settings.size() && !log.accepted;) {
     const double left = deadline.left();
     if (left < leastWorth || !progress.report(static_cast<double>(next) / settings.size())) break;
     std::vector<AttemptSetting> chosen;
-    for (; next < most && chosen.size() < wave; ++next) {
+    for (; next < settings.size() && chosen.size() < wave; ++next) {
       if (!serves(settings[next])) continue;
       chosen.push_back(settings[next]);
       chosen.back().timeLimit = std::min(chosen.back().timeLimit, left);
@@ -183,23 +204,26 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
       runners.emplace_back([&, i] {
         const CancelScope scope(notNeeded[i]);
         trials[i] = runTrial(healed, options, phi, check, chosen[i], deadline);
-        if (!trials[i].settles()) return;
+        if (!trials[i].accepted) return;
         for (std::size_t later = i + 1; later < chosen.size(); ++later) notNeeded[later] = true;
       });
     }
     for (std::thread& runner : runners) runner.join();
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       Trial& trial = trials[i];
-      if (log.accepted && log.accepted->facetedFaces == 0) break;  // done, or stopped on the way
+      if (log.accepted) break;  // done, or stopped on the way
       if (trial.timedOut) leastWorth = std::max(leastWorth, kShareOfTimeout * chosen[i].timeLimit);
       log.lines.push_back(trial.line);
+      if (trial.hung && !hung) {
+        hung = true;
+        settings.insert(settings.begin() + static_cast<std::ptrdiff_t>(next), withoutSlowPairs());
+      }
+      if (!trial.accepted && !trial.pieces.IsNull())
+        log.open.push_back({chosen[i].name, chosen[i].reach, trial.pieces});
       if (!trial.judged) continue;
       const CheckResult& verdict = trial.judged->file.check;
-      const bool better = !log.accepted || trial.judged->facetedFaces < log.accepted->facetedFaces;
       if (trial.accepted) {
-        // A result with facets is kept while the next setting may do without.
-        most = std::min(most, trial.judged->facetedFaces == 0 ? next : next + 1);
-        if (better) log.accepted = std::move(trial.judged);
+        log.accepted = std::move(trial.judged);
       } else if (!log.rejected && verdict.valid && (verdict.closed || sheet)) {
         log.rejected = std::move(trial.judged);
       }

@@ -19,19 +19,27 @@ struct JudgedAttempt {
   std::string setting;
   double reach = 1;
   int fittedFaces = 0;
-  int facetedFaces = 0;
-  FileCheck file;  ///< of its file, or of itself where there is none
+  int facetedFaces = 0;  ///< of mended ones
+  FileCheck file;        ///< of its file, or of itself where there is none
+};
+
+/// Pieces of the offset that do not make a result that passes.
+struct OpenPieces {
+  std::string setting;
+  double reach = 1;
+  TopoDS_Shape pieces;
 };
 
 struct AttemptLog {
   std::optional<JudgedAttempt> accepted;
   std::optional<JudgedAttempt> rejected;  ///< the first valid, closed one that failed otherwise
+  std::vector<OpenPieces> open;           ///< of the attempts on a solid that were not accepted
   std::vector<std::string> lines;         ///< one per attempt: setting, outcome, seconds
 };
 
-/// Tries the settings in order (two at a time when threads allow) until one result passes the check
-/// without a facet, or the `deadline` is reached; fewer facets win. With two at a time the earlier
-/// setting wins, so the choice does not depend on who finishes first. `healed` is offset and `phi`
+/// Tries the settings in order (two at a time when threads allow) until one result passes the
+/// check, or the `deadline` is reached. With two at a time the earlier setting wins, so the choice
+/// does not depend on who finishes first. `healed` is offset and `phi`
 /// is its distance; `check` decides.
 [[nodiscard]] AttemptLog runAttempts(const Body& healed, const OffsetOptions& options,
                                      const TrueDistance& phi, const BodyCheck& check,

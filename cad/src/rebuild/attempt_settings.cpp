@@ -51,4 +51,12 @@ std::vector<AttemptSetting> attemptSettings() {
   return {plain, at(0.9992), fine, atBends, cutByPhi, at(0.9989), unified, allPairs};
 }
 
+AttemptSetting withoutSlowPairs() {
+  AttemptSetting setting = attemptSettings().front();
+  setting.name = "without slow pairs";
+  setting.looksAgain = false;
+  setting.skipsSlowPairs = true;
+  return setting;
+}
+
 }  // namespace phront::cad

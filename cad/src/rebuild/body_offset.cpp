@@ -19,6 +19,7 @@
 #include "rebuild/attempt_runner.h"
 #include "rebuild/facet_stage.h"
 #include "rebuild/front_stage.h"
+#include "rebuild/mend_stage.h"
 #include "rebuild/mitre_join.h"
 #include "rebuild/sheet_stage.h"
 #include "tessellate/body_distance.h"
@@ -37,7 +38,7 @@ constexpr double kRecognitionSeconds = 10;
 constexpr double kRecognitionMemoryMiB = 2000;
 // Shares of the time left: attempts where facets can follow, where nothing can, and where trimmed
 // faces can.
-constexpr double kAttemptShare = 0.7;
+constexpr double kAttemptShare = 0.55;
 constexpr double kOnlyAttemptsShare = 0.9;
 constexpr double kSheetAttemptShare = 0.35;
 constexpr double kTessellateShare = 0.3;
@@ -150,6 +151,7 @@ class BodyOffsetter {
       }
       return finish();
     }
+    if (facetsMayFollow && mend(*phi)) return finish();
     if (facetsMayFollow) {
       if (Result<void> found = useFacets(healed, *phi); !found)
         return tl::unexpected(found.error());
@@ -209,13 +211,23 @@ class BodyOffsetter {
     const double share = sheet             ? kSheetAttemptShare
                          : facetsMayFollow ? kAttemptShare
                                            : kOnlyAttemptsShare;
-    AttemptLog log = runAttempts(healed, options_, phi, *check_, Deadline(share * deadline_.left()),
-                                 progress_.part(0.3, 0.8, "exact patches"));
+    log_ = runAttempts(healed, options_, phi, *check_, Deadline(share * deadline_.left()),
+                       progress_.part(0.3, 0.7, "exact patches"));
     clock_.lap("exact patches");
-    report().attempts.insert(report().attempts.end(), log.lines.begin(), log.lines.end());
-    if (log.accepted) useAttempt(std::move(*log.accepted), OffsetKind::Exact);
-    rejected = std::move(log.rejected);
-    return log.accepted.has_value();
+    report().attempts.insert(report().attempts.end(), log_.lines.begin(), log_.lines.end());
+    if (log_.accepted) useAttempt(std::move(*log_.accepted), OffsetKind::Exact);
+    rejected = std::move(log_.rejected);
+    return log_.accepted.has_value();
+  }
+
+  /// Exact pieces with facets where they fail.
+  bool mend(const TrueDistance& phi) {
+    std::optional<JudgedAttempt> mended =
+        mendPieces(log_.open, body_.name, options_, phi, *check_, deadline_,
+                   progress_.part(0.7, 0.8, "mending"), report().attempts);
+    clock_.lap("mending");
+    if (mended) useAttempt(std::move(*mended), OffsetKind::Faceted);
+    return mended.has_value();
   }
 
   void useAttempt(JudgedAttempt attempt, OffsetKind kind) {
@@ -228,7 +240,6 @@ class BodyOffsetter {
     report().fittedFaces = attempt.fittedFaces;
     report().facetedFaces = attempt.facetedFaces;
     report().exactFaces = report().check.faces - report().fittedFaces - report().facetedFaces;
-    if (kind == OffsetKind::Exact && attempt.facetedFaces > 0) report().kind = OffsetKind::Faceted;
   }
 
   /// Corners become sharp where that passes the check; else they stay round.
@@ -306,6 +317,7 @@ class BodyOffsetter {
   BodyOffset result_;
   StageClock clock_;
   std::optional<BodyCheck> check_;
+  AttemptLog log_;
   bool mitreTried_ = false;
 };
 

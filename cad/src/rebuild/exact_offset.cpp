@@ -4,10 +4,13 @@
 
 #include <fmt/format.h>
 
+#include <BRep_Builder.hxx>
+#include <TopoDS_Compound.hxx>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "deadline.h"
@@ -19,6 +22,7 @@
 #include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
 #include "rebuild/select.h"
+#include "rebuild/slow_pairs.h"
 
 namespace phront::cad {
 namespace {
@@ -32,6 +36,15 @@ constexpr double kLeastSecondLook = 5;
 constexpr double kSecondLook = 1.5;
 
 using Clock = std::chrono::steady_clock;
+
+TopoDS_Shape livePieces(const std::vector<JudgedFace>& judged) {
+  const BRep_Builder builder;
+  TopoDS_Compound pieces;
+  builder.MakeCompound(pieces);
+  for (const JudgedFace& piece : judged)
+    if (piece.live) builder.Add(pieces, piece.face);
+  return pieces;
+}
 
 }  // namespace
 
@@ -75,6 +88,13 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     cells.emplace(raw.faces, distance, levelTolerance, phi);
     mayCross = [&](std::size_t i, std::size_t j) { return cells->mayCross(i, j); };
   }
+  if (setting.skipsSlowPairs && mayCross) {
+    const std::set<std::pair<std::size_t, std::size_t>> slow = slowPairs(raw.faces, mayCross);
+    mayCross = [&cells, slow](std::size_t i, std::size_t j) {
+      return !slow.contains(std::minmax(i, j)) && cells->mayCross(i, j);
+    };
+    result.notes.push_back(fmt::format("{} pairs of patches take too long", slow.size()));
+  }
   const Cutting cutting{solid, distance, diagonal, levelTolerance, setting, phi};
   Result<Cut> cut = cutting.cut(raw.faces, mayCross, setting.fuzzy * diagonal);
   if (!cut) return tl::unexpected<Error>(cut.error());
@@ -93,17 +113,18 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   const Assembly& assembly = cut->assembly;
   result.openEdges = assembly.openEdges;
   result.fittedFaces = assembly.fittedFaces;
-  result.facetedFaces = assembly.facetedFaces;
   result.shape = assembly.shape;
+  if (solid) result.pieces = livePieces(cut->judged);
   if (result.shape.IsNull()) {
-    return fail(ErrorCode::Failed,
-                fmt::format("{} of {} pieces lie on the offset but enclose nothing",
-                            result.keptFaces, result.splitFaces));
+    result.fault = fmt::format("{} of {} pieces lie on the offset but enclose nothing",
+                               result.keptFaces, result.splitFaces);
+    return result;
   }
   if (solid && result.openEdges > 0) {
-    return fail(ErrorCode::Failed,
-                fmt::format("{} of {} pieces lie on the offset, {} edges stay open",
-                            result.keptFaces, result.splitFaces, result.openEdges));
+    result.fault = fmt::format("{} of {} pieces lie on the offset, {} edges stay open",
+                               result.keptFaces, result.splitFaces, result.openEdges);
+    result.shape.Nullify();
+    return result;
   }
   result.notes.push_back(fmt::format("{} patches, {} pieces, {} on the offset, closed from {}",
                                      result.rawFaces, result.splitFaces, result.keptFaces,

@@ -21,10 +21,12 @@ struct AttemptSetting {
   bool thinPairs = false;        ///< patches that cannot cross on the offset are not intersected
   /// Edges whose pipes fold are divided where they bend most; without such edges the attempt fails.
   bool dividesBends = false;
+  /// Pairs of patches that OpenCASCADE gets stuck in are found first and left uncut.
+  bool skipsSlowPairs = false;
   /// Patches whose pieces stay open are intersected with their neighbours, too, in a second cut.
   bool looksAgain = false;
-  /// s, > 0: the pieces are cut where phi shows that they leave the offset, even if they close,
-  /// then corners are given up to facets; for at most so long. For when earlier settings failed.
+  /// s, > 0: the pieces are cut where phi shows that they leave the offset, even if they close, for
+  /// at most so long. For when earlier settings failed.
   double repairSeconds = 0;
   /// Share of |d| at which the offset is made. At d itself parts of it may touch or be of no width,
   /// as where a slot just closes, which no solid can have; a little before it is one, within the
@@ -36,20 +38,24 @@ struct AttemptSetting {
 /// The settings in the order they are tried.
 [[nodiscard]] std::vector<AttemptSetting> attemptSettings();
 
+/// The setting for when one of these hung.
+[[nodiscard]] AttemptSetting withoutSlowPairs();
+
 struct AttemptResult {
-  TopoDS_Shape shape;  ///< solids (or a sheet); null when nothing is left
+  TopoDS_Shape shape;   ///< solids (or a sheet); null when nothing is left, or nothing closes
+  TopoDS_Shape pieces;  ///< what of all patches lies on the offset of a solid
+  std::string fault;    ///< why pieces of a solid do not close; empty when they do
   int rawFaces = 0;
   int splitFaces = 0;
   int keptFaces = 0;
   int openEdges = 0;
   int fittedFaces = 0;             ///< patches that close gaps between the exact ones
-  int facetedFaces = 0;            ///< planar triangles that do
   std::vector<std::string> notes;  ///< healing done, faces given up: one sentence each
 };
 
 /// Runs in the calling process and may throw, hang or crash with OpenCASCADE: call it in
 /// runInChild. `distance` signed, mm. `solid`: closed result wanted; else a sheet on the side of
-/// the normals.
+/// the normals. Fails where there are no pieces to speak of.
 [[nodiscard]] Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid,
                                                    double distance, const TrueDistance& phi,
                                                    const AttemptSetting& setting);

@@ -3,6 +3,7 @@
 // the level. Weak spot: at a crease the nearest foot changes; there the move is right for one side.
 #include "rebuild/facet_bias.h"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -38,8 +39,10 @@ void planeThroughCorners(const FacetedSurface& facets, FacetPolygon& polygon) {
 
 }  // namespace
 
-void removeChordalBias(FacetedSurface& facets, double distance, const TrueDistance& phi) {
-  const std::vector<bool> held = pointsOfPlanes(facets, phi);
+void removeChordalBias(FacetedSurface& facets, Index fixedPoints, double distance,
+                       const TrueDistance& phi) {
+  std::vector<bool> held = pointsOfPlanes(facets, phi);
+  std::fill_n(held.begin(), fixedPoints, true);
   for (std::size_t i = 0; i < facets.points.size(); ++i) {
     if (held[i]) continue;
     Vec3& x = facets.points[i];

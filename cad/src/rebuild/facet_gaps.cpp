@@ -1,31 +1,40 @@
 // What exact patches leave open is little: one crossing that nothing finds spoils one corner of a
 // solid. That corner is given up, not the solid. Edges of the pieces around a hole are divided
-// until they are nearly straight and serve as sides of the facets, so nothing has to be sewn. Weak
-// spot: a hole with several loops is known only where pieces were taken away.
+// until they are nearly straight, then become straight and serve as sides of the facets, so nothing
+// has to be sewn. Weak spot: a hole with several loops is known only where pieces were taken away
+// or where the front in it reaches them all.
 #include "rebuild/facet_gaps.h"
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepCheck_Analyzer.hxx>
+#include <BRepTools.hxx>
 #include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
-#include <Geom_Line.hxx>
-#include <Geom_Plane.hxx>
+#include <GeomAPI_ProjectPointOnCurve.hxx>
 #include <Precision.hxx>
 #include <TopExp.hxx>
 #include <TopoDS.hxx>
-#include <TopoDS_Wire.hxx>
+#include <TopoDS_Compound.hxx>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "exchange/measures.h"
 #include "exchange/tolerances.h"
-#include "phront/fill_hole.h"
+#include "judge/check_topology.h"
+#include "patches/patch_tools.h"
 #include "rebuild/edge_uses.h"
+#include "rebuild/facet_bias.h"
+#include "rebuild/facet_solid.h"
+#include "rebuild/file_faults.h"
 #include "rebuild/fuse.h"
 #include "rebuild/piece_faults.h"
+#include "rebuild/plane_features.h"
 #include "rebuild/select.h"
+#include "rebuild/straight_edges.h"
+#include "tessellate/occt_mesh.h"
 
 namespace phront::cad {
 namespace {
@@ -33,57 +42,100 @@ namespace {
 constexpr double kMostRemoved = 0.4;             // of the area
 constexpr std::array kChords{6e-3, 2e-3, 5e-4};  // of |d|, of the edges around holes: tried in turn
 constexpr double kLongestSide = 10;              // of |d|
-constexpr int kMostDivisions = 8;                // of an edge, by halving
-constexpr double kStep = 1e-3;                   // of |d|, to see which way phi grows
-constexpr int kProjectionSteps = 24;             // at a crease it goes from side to side
-constexpr double kOnLevel = 1e-4;                // of |d|
-constexpr double kSamePlace = 1e-5;              // of |d|
-constexpr Index kMostFacets = 1500;              // of one hole
+constexpr double kLooseSides = 0.03;             // of |d|, how far sides may be off a piece
+constexpr int kRounds = 5;
+constexpr double kStep = 1e-3;       // of |d|, to see which way phi grows
+constexpr double kSamePlace = 1e-5;  // of |d|
+constexpr Index kMostFacets = 15'000;
+// How near to the pieces the front gives way: of its grid, at most of |d|.
+constexpr double kMarginOfSpacing = 0.5;
+constexpr double kMarginOfDistance = 0.3;
+constexpr double kMeshOfMargin = 0.2;  // deflection of the pieces' triangles
+constexpr double kMeshAngle = 0.5;     // rad
 
 using Loop = std::vector<TopoDS_Edge>;  // oriented along the loop, the hole on the left
 
 Vec3 toVec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
-gp_Pnt toPnt(const Vec3& p) { return {p[0], p[1], p[2]}; }
 
 class GapFaceter {
  public:
   GapFaceter(std::vector<TopoDS_Face> pieces, const FacetGapOptions& options,
-             const TrueDistance& phi)
-      : pieces_(std::move(pieces)), options_(options), phi_(phi) {}
+             const IsoSurface& front, const TrueDistance& phi)
+      : pieces_(std::move(pieces)), options_(options), front_(front), phi_(phi) {}
 
-  std::optional<FacetedGaps> run() {
+  Result<FacetedGaps> run() {
     double area = 0;
     for (const TopoDS_Face& piece : pieces_) area += areaOf(piece);
+    lowerToleranceOf(pieces_);
     std::optional<SortedPieces> sorted =
         removeFaultyPieces(std::move(pieces_), options_.distance, phi_);
-    if (!sorted) return std::nullopt;
+    if (!sorted) return fail(ErrorCode::Failed, "pieces could not be cut around their faults");
     pieces_ = std::move(sorted->kept);
     removed_ = std::move(sorted->removed);
+    turnOutward();
     double gone = 0;
     for (const TopoDS_Face& piece : removed_) gone += areaOf(piece);
-    if (gone > kMostRemoved * area || pieces_.empty()) return std::nullopt;
+    if (gone > kMostRemoved * area || pieces_.empty())
+      return fail(ErrorCode::Failed, "too many pieces are at fault");
     const std::vector<TopoDS_Face> whole = pieces_;
+    Result<FacetedGaps> result = fail(ErrorCode::Failed, "there is no hole");
     for (const double chord : kChords) {
       pieces_ = whole;
-      std::optional<FacetedGaps> result = filled(chord * size());
-      if (result && valid(*result)) return result;
+      result = sound(chord * size());
+      if (result) return result;
     }
-    return std::nullopt;
+    return result;
   }
 
  private:
-  std::optional<FacetedGaps> filled(double chord) {
-    if (!divideOpenEdges(chord)) return std::nullopt;
-    std::optional<std::vector<Loop>> loops = openLoops();
-    if (!loops || loops->empty()) return std::nullopt;
-    FacetedGaps result;
-    for (const std::vector<Loop>& hole : holesOf(std::move(*loops))) {
-      if (!fill(hole, result)) return std::nullopt;
+  /// Pieces around holes that do not stand what is done to them go, too.
+  Result<FacetedGaps> sound(double chord) {
+    const double margin = std::min(kMarginOfSpacing * front_.spacing, kMarginOfDistance * size());
+    for (int round = 0; round < kRounds; ++round) {
+      std::vector<TopoDS_Face> straight = pieces_;
+      std::vector<std::size_t> bad =
+          straightenOpenEdges(straight, {chord, kLongestSide * size(), kLooseSides * size()});
+      std::optional<SurfaceDistance> around;
+      if (bad.empty()) around = trianglesAround(straight, margin, bad);
+      if (around) {
+        std::optional<std::vector<Loop>> loops = openLoops(straight);
+        if (!loops) return fail(ErrorCode::Failed, "the edges of a hole do not close");
+        if (loops->empty()) return fail(ErrorCode::Failed, "there is no hole");
+        Result<FacetedGaps> filled =
+            facetsIn(straight, holesOf(std::move(*loops)), *around, margin);
+        if (!filled) return filled;
+        if (!valid(*filled)) return fail(ErrorCode::Failed, "facets in a hole cross its edges");
+        const std::vector<Vec3> faults =
+            faultsInFile(filled->faces, kLooseSides * size(),
+                         usualMeshSize({diagonal(), options_.distance, true}));
+        if (faults.empty()) return filled;
+        bad = piecesAt(faults, *around, margin);
+        if (bad.empty()) return fail(ErrorCode::Failed, "facets in a hole come back from no file");
+      }
+      if (bad.size() >= pieces_.size()) break;
+      remove(bad);
     }
-    result.facets = static_cast<int>(result.faces.size());
-    result.faces.insert(result.faces.begin(), pieces_.begin(), pieces_.end());
-    settleTolerances(result.faces);
-    return result;
+    return fail(ErrorCode::Failed, "pieces around a hole are at fault");
+  }
+
+  static std::vector<std::size_t> piecesAt(const std::vector<Vec3>& points,
+                                           const SurfaceDistance& around, double reach) {
+    std::set<std::size_t> numbers;
+    for (const Vec3& x : points) {
+      const FootPoint foot = around.foot(x, reach);
+      if (foot.triangle != kNone)
+        numbers.insert(static_cast<std::size_t>(around.mesh().face(foot.triangle)));
+    }
+    return {numbers.begin(), numbers.end()};
+  }
+
+  void remove(const std::vector<std::size_t>& bad) {
+    std::vector<TopoDS_Face> kept;
+    for (std::size_t f = 0; f < pieces_.size(); ++f) {
+      const bool goes = std::find(bad.begin(), bad.end(), f) != bad.end();
+      (goes ? removed_ : kept).push_back(pieces_[f]);
+    }
+    pieces_ = std::move(kept);
   }
 
   /// A narrow triangle next to an edge that is not straight enough may be crossed by it.
@@ -93,65 +145,37 @@ class GapFaceter {
   }
 
   [[nodiscard]] double size() const { return std::abs(options_.distance); }
-  /// Parameters that divide an edge into nearly straight parts, at least two.
-  [[nodiscard]] std::vector<double> divisions(const TopoDS_Edge& edge, double chord) const {
-    const BRepAdaptor_Curve curve(edge);
-    std::vector<double> found;
-    const auto halve = [&](const auto& self, double a, double b, int depth) -> void {
-      const double m = (a + b) / 2;
-      const gp_Pnt pa = curve.Value(a);
-      const gp_Pnt pb = curve.Value(b);
-      double off = 0;
-      for (const double t : {(a + m) / 2, m, (m + b) / 2}) {
-        const gp_Pnt p = curve.Value(t);
-        const gp_Vec along(pa, pb);
-        const gp_Vec arm(pa, p);
-        const double length = along.Magnitude();
-        off = std::max(off, length > 0 ? along.Crossed(arm).Magnitude() / length : arm.Magnitude());
-      }
-      const bool enough = off <= chord && pa.Distance(pb) <= kLongestSide * size();
-      if (depth >= kMostDivisions || (depth > 0 && enough)) return;
-      self(self, a, m, depth + 1);
-      found.push_back(m);
-      self(self, m, b, depth + 1);
-    };
-    halve(halve, curve.FirstParameter(), curve.LastParameter(), 0);
-    return found;
+  [[nodiscard]] double diagonal() const { return phi_.surface().box().diagonal().norm(); }
+
+  /// What fusing leaves is many times what it bridges, and swallows what is near.
+  void lowerToleranceOf(const std::vector<TopoDS_Face>& pieces) const {
+    const BRep_Builder builder;
+    TopoDS_Compound all;
+    builder.MakeCompound(all);
+    for (const TopoDS_Face& piece : pieces) builder.Add(all, piece);
+    lowerTolerances(all, kSamePlace * size());
   }
 
-  bool divideOpenEdges(double chord) {
-    const EdgeUses uses(pieces_);
-    std::vector<TopoDS_Shape> points;
-    for (std::size_t e = 0; e < uses.faces.size(); ++e) {
-      if (uses.faces[e].size() != 1) continue;
-      const BRepAdaptor_Curve curve(uses.edge(e));
-      for (const double t : divisions(uses.edge(e), chord))
-        points.push_back(makeVertex(curve.Value(t), Precision::Confusion()));
+  void turnOutward() {
+    for (TopoDS_Face& piece : pieces_) {
+      const std::vector<FaceSample> samples = interiorSamples(piece);
+      if (!samples.empty() &&
+          !facesOutward(samples.front(), samples.front().normal, kStep * size(), phi_))
+        piece.Reverse();
     }
-    const auto never = [](std::size_t, std::size_t) { return false; };
-    Result<std::vector<TopoDS_Face>> divided = splitFaces(pieces_, 0, never, points);
-    if (!divided) return false;
-    pieces_ = std::move(*divided);
-    return true;
   }
 
   /// Simple loops of edges that one piece uses; empty when they do not close.
-  [[nodiscard]] std::optional<std::vector<Loop>> openLoops() const {
-    const EdgeUses uses(pieces_);
+  [[nodiscard]] std::optional<std::vector<Loop>> openLoops(
+      const std::vector<TopoDS_Face>& pieces) const {
+    const EdgeUses uses(pieces);
     TopTools_IndexedMapOfShape vertices;
     std::map<int, std::vector<TopoDS_Edge>> from;  // directed edges by first vertex
     std::size_t left = 0;
     for (std::size_t e = 0; e < uses.faces.size(); ++e) {
       if (uses.faces[e].size() != 1) continue;
-      const TopoDS_Face& piece = pieces_[uses.faces[e][0]];
-      const std::vector<FaceSample> samples = interiorSamples(piece);
-      if (samples.empty()) return std::nullopt;
-      const bool outward =
-          facesOutward(samples.front(), samples.front().normal, kStep * size(), phi_);
-      // As the piece uses it the piece is on the left, seen from where its normal points.
-      const bool forward = (uses.edge(e).Orientation() == TopAbs_FORWARD) == outward;
-      const TopoDS_Edge along =
-          TopoDS::Edge(uses.edge(e).Oriented(forward ? TopAbs_REVERSED : TopAbs_FORWARD));
+      // As the piece uses it the piece is on the left, seen from outside.
+      const TopoDS_Edge along = TopoDS::Edge(uses.edge(e).Reversed());
       from[vertices.Add(TopExp::FirstVertex(along, Standard_True))].push_back(along);
       ++left;
     }
@@ -216,103 +240,86 @@ class GapFaceter {
     for (auto& [component, its] : around) holes.push_back(std::move(its));
     return holes;
   }
+  /// Whether the edge that x bounds a part of was divided from the curve.
   [[nodiscard]] bool isOn(const BRepAdaptor_Curve& curve, const gp_Pnt& x) const {
-    // Division points are halves of the edge's parameters.
-    constexpr int kParts = 1 << kMostDivisions;
-    for (int i = 0; i <= kParts; ++i) {
-      const double t =
-          curve.FirstParameter() + (curve.LastParameter() - curve.FirstParameter()) * i / kParts;
-      if (curve.Value(t).Distance(x) <= kSamePlace * size()) return true;
-    }
-    return false;
+    const gp_Pnt ends[] = {curve.Value(curve.FirstParameter()), curve.Value(curve.LastParameter())};
+    if (std::min(x.Distance(ends[0]), x.Distance(ends[1])) <= kSamePlace * size()) return true;
+    const GeomAPI_ProjectPointOnCurve foot(x, curve.Curve().Curve(), curve.FirstParameter(),
+                                           curve.LastParameter());
+    return foot.NbPoints() > 0 && foot.LowerDistance() <= kSamePlace * size();
   }
 
-  /// The point of the level next to x, along the gradient.
-  [[nodiscard]] std::optional<Vec3> onLevel(const Vec3& start) const {
-    Vec3 x = start;
-    for (int step = 0; step < kProjectionSteps; ++step) {
-      const TrueDistance::Foot foot = phi_.foot(x);
-      if (!(foot.distance > 0)) return std::nullopt;
-      const double off = options_.distance - foot.sign * foot.distance;
-      if (std::abs(off) <= kOnLevel * size()) return x;
-      x += off * foot.sign * (x - foot.point) / foot.distance;
-      if ((x - start).norm() > size()) return std::nullopt;
+  /// The pieces as triangles; empty where some are `bad`.
+  [[nodiscard]] std::optional<SurfaceDistance> trianglesAround(
+      const std::vector<TopoDS_Face>& pieces, double margin, std::vector<std::size_t>& bad) const {
+    TriMesh triangles;
+    for (std::size_t f = 0; f < pieces.size(); ++f) {
+      const ShapeMesh mesh =
+          meshShape(pieces[f], ShapeMaps(pieces[f]), kMeshOfMargin * margin, kMeshAngle);
+      BRepTools::Clean(pieces[f]);  // edges are shared with what follows
+      if (!mesh.failed.empty()) bad.push_back(f);
+      for (const FaceMesh& face : mesh.faces) {
+        const auto first = static_cast<Index>(triangles.points.size());
+        triangles.points.insert(triangles.points.end(), face.nodes.begin(), face.nodes.end());
+        for (const std::array<Index, 3>& t : face.triangles) {
+          triangles.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+          triangles.faceOf.push_back(static_cast<Index>(f));
+        }
+      }
     }
-    return std::nullopt;
+    if (!bad.empty()) return std::nullopt;
+    Result<SurfaceDistance> around = SurfaceDistance::build(std::move(triangles));
+    if (!around) return std::nullopt;
+    return std::move(*around);
   }
 
-  bool fill(const std::vector<Loop>& hole, FacetedGaps& result) const {
-    std::vector<std::vector<Vec3>> corners;
-    std::vector<TopoDS_Vertex> vertices;
-    std::map<std::pair<Index, Index>, TopoDS_Edge> edges;  // by smaller and larger corner
-    for (const Loop& loop : hole) {
-      const auto first = static_cast<Index>(vertices.size());
-      const auto count = static_cast<Index>(loop.size());
-      corners.emplace_back();
-      for (Index k = 0; k < count; ++k) {
-        const TopoDS_Edge& edge = loop[static_cast<std::size_t>(k)];
-        vertices.push_back(TopExp::FirstVertex(edge, Standard_True));
-        corners.back().push_back(toVec(BRep_Tool::Pnt(vertices.back())));
-        const Index a = first + k;
-        const Index b = first + (k + 1) % count;
-        edges[{std::min(a, b), std::max(a, b)}] = TopoDS::Edge(edge.Oriented(TopAbs_FORWARD));
+  Result<FacetedGaps> facetsIn(const std::vector<TopoDS_Face>& pieces,
+                               const std::vector<std::vector<Loop>>& holes,
+                               const SurfaceDistance& around, double margin) const {
+    SurfaceHoles openings{{}, around, margin};
+    std::vector<Loop> borders;
+    Index fixedPoints = 0;
+    for (const std::vector<Loop>& hole : holes) {
+      openings.loops.emplace_back();
+      for (const Loop& loop : hole) {
+        std::vector<Vec3>& corners = openings.loops.back().emplace_back();
+        for (const TopoDS_Edge& edge : loop)
+          corners.push_back(toVec(BRep_Tool::Pnt(TopExp::FirstVertex(edge, Standard_True))));
+        borders.push_back(loop);
+        fixedPoints += static_cast<Index>(loop.size());
       }
     }
-    const ToSurface toLevel = [this](const Vec3& x) { return onLevel(x); };
-    const Result<HoleFill> patch =
-        fillHole(corners, toLevel, {options_.tolerance, kLongestSide * size(), kMostFacets});
-    if (!patch) return false;
-    const BRep_Builder builder;
-    for (std::size_t p = vertices.size(); p < patch->points.size(); ++p)
-      vertices.push_back(makeVertex(toPnt(patch->points[p]), Precision::Confusion()));
-    const auto edgeBetween = [&](Index a, Index b) {
-      TopoDS_Edge& edge = edges[{std::min(a, b), std::max(a, b)}];
-      if (!edge.IsNull()) return edge;
-      const TopoDS_Vertex& from = vertices[static_cast<std::size_t>(a)];
-      const TopoDS_Vertex& to = vertices[static_cast<std::size_t>(b)];
-      const gp_Pnt pa = BRep_Tool::Pnt(from);
-      const gp_Pnt pb = BRep_Tool::Pnt(to);
-      builder.MakeEdge(edge, new Geom_Line(pa, gp_Dir(gp_Vec(pa, pb))), Precision::Confusion());
-      builder.Add(edge, from.Oriented(TopAbs_FORWARD));
-      builder.Add(edge, to.Oriented(TopAbs_REVERSED));
-      builder.Range(edge, 0, pa.Distance(pb));
-      return edge;
-    };
-    for (const std::array<Index, 3>& t : patch->triangles) {
-      const auto at = [&](std::size_t k) { return patch->points[static_cast<std::size_t>(t[k])]; };
-      const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0));
-      if (!(normal.norm() > 0)) return false;
-      TopoDS_Face face;
-      builder.MakeFace(face,
-                       new Geom_Plane(toPnt((at(0) + at(1) + at(2)) / 3),
-                                      gp_Dir(normal[0], normal[1], normal[2])),
-                       Precision::Confusion());
-      TopoDS_Wire wire;
-      builder.MakeWire(wire);
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Index a = t[k];
-        const TopoDS_Edge edge = edgeBetween(a, t[(k + 1) % 3]);
-        const bool forward =
-            TopExp::FirstVertex(edge).IsSame(vertices[static_cast<std::size_t>(a)]);
-        builder.Add(wire, edge.Oriented(forward ? TopAbs_FORWARD : TopAbs_REVERSED));
-      }
-      wire.Closed(Standard_True);
-      builder.Add(face, wire);
-      result.faces.push_back(face);
-    }
-    return true;
+    FacetOptions with;
+    with.tolerance = options_.tolerance;
+    with.maxFacets = kMostFacets;
+    with.planeOfFace = options_.planeOfFace;
+    with.threads = 1;  // a guarded child starts no thread
+    Result<FacetedSurface> patch =
+        facetHoles(phi_.surface(), front_, options_.distance, openings, with);
+    if (!patch) return tl::unexpected<Error>(patch.error());
+    removeChordalBias(*patch, fixedPoints, options_.distance, phi_);
+    const Result<std::vector<TopoDS_Face>> facets = facesOfFacets(*patch, borders);
+    if (!facets) return tl::unexpected<Error>(facets.error());
+    FacetedGaps result;
+    result.faces = pieces;
+    result.faces.insert(result.faces.end(), facets->begin(), facets->end());
+    result.facets = static_cast<int>(facets->size());
+    result.curvedFacets = curvedFacets(*patch, options_.planeOfFace);
+    settleTolerances(result.faces);
+    return result;
   }
 
   std::vector<TopoDS_Face> pieces_, removed_;
   const FacetGapOptions& options_;
+  const IsoSurface& front_;
   const TrueDistance& phi_;
 };
 
 }  // namespace
 
-std::optional<FacetedGaps> facetGaps(std::vector<TopoDS_Face> pieces,
-                                     const FacetGapOptions& options, const TrueDistance& phi) {
-  return GapFaceter(std::move(pieces), options, phi).run();
+Result<FacetedGaps> facetGaps(std::vector<TopoDS_Face> pieces, const FacetGapOptions& options,
+                              const IsoSurface& front, const TrueDistance& phi) {
+  return GapFaceter(std::move(pieces), options, front, phi).run();
 }
 
 }  // namespace phront::cad

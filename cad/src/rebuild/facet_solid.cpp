@@ -11,6 +11,7 @@
 #include <Geom_Line.hxx>
 #include <Geom_Plane.hxx>
 #include <Precision.hxx>
+#include <TopExp.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Compound.hxx>
 #include <TopoDS_Edge.hxx>
@@ -46,7 +47,7 @@ struct Side {
   Index forward = kNone;  ///< polygon that runs from -> to
   Index backward = kNone;
   double tolerance = 0;
-  TopoDS_Edge edge = {};
+  TopoDS_Edge edge = {};  ///< oriented from -> to
 };
 
 /// Sides in the order of their first use, and where each polygon finds its own.
@@ -59,8 +60,27 @@ struct Sides {
   }
 };
 
-Result<Sides> pairSides(const FacetedSurface& facets) {
+using Borders = std::vector<std::vector<TopoDS_Edge>>;
+
+/// The sides of the borders, with their edges.
+Sides sidesOf(const Borders& borders) {
   Sides sides;
+  Index first = 0;
+  for (const std::vector<TopoDS_Edge>& loop : borders) {
+    const auto count = static_cast<Index>(loop.size());
+    for (Index k = 0; k < count; ++k) {
+      const Index a = first + k;
+      const Index b = first + (k + 1) % count;
+      sides.number[{std::min(a, b), std::max(a, b)}] = static_cast<Index>(sides.all.size());
+      sides.all.push_back({.from = a, .to = b, .edge = loop[static_cast<std::size_t>(k)]});
+    }
+    first += count;
+  }
+  return sides;
+}
+
+Result<Sides> pairSides(const FacetedSurface& facets, const Borders& borders) {
+  Sides sides = sidesOf(borders);
   const auto pointCount = static_cast<Index>(facets.points.size());
   for (std::size_t i = 0; i < facets.polygons.size(); ++i) {
     for (const Loop& loop : facets.polygons[i].loops) {
@@ -86,7 +106,8 @@ Result<Sides> pairSides(const FacetedSurface& facets) {
     }
   }
   for (const Side& side : sides.all) {
-    if (side.forward == kNone || side.backward == kNone) {
+    const bool atBorder = !side.edge.IsNull();
+    if (side.forward == kNone || (side.backward == kNone) != atBorder) {
       return fail(ErrorCode::Failed, "Facets do not close: a side is used by one facet only.");
     }
   }
@@ -104,6 +125,7 @@ void makeEdges(const FacetedSurface& facets, Sides& sides) {
   for (Side& side : sides.all) {
     double off = 0;
     for (const Index polygon : {side.forward, side.backward}) {
+      if (polygon == kNone) continue;
       const Plane& plane = facets.polygons[polygon].plane;
       for (const Index p : {side.from, side.to}) {
         off = std::max(off, offPlane(plane, facets.points[p]));
@@ -120,7 +142,11 @@ void makeEdges(const FacetedSurface& facets, Sides& sides) {
       builder.MakeVertex(vertices[p], toPnt(facets.points[p]), tolerance[p]);
     return vertices[p];
   };
+  for (const Side& side : sides.all) {
+    if (!side.edge.IsNull()) vertices[side.from] = TopExp::FirstVertex(side.edge, Standard_True);
+  }
   for (Side& side : sides.all) {
+    if (!side.edge.IsNull()) continue;
     const gp_Pnt a = toPnt(facets.points[side.from]);
     const gp_Pnt b = toPnt(facets.points[side.to]);
     const Handle(Geom_Line) line = new Geom_Line(a, gp_Dir(gp_Vec(a, b)));
@@ -146,7 +172,7 @@ TopoDS_Face makeFace(const FacetPolygon& polygon, const FacetedSurface& facets,
     for (std::size_t k = 0; k < loop.size(); ++k) {
       const Index b = loop[(k + 1) % loop.size()];
       const Side& side = sides.all[sides.find(loop[k], b)];
-      builder.Add(wire, side.edge.Oriented(side.to == b ? TopAbs_FORWARD : TopAbs_REVERSED));
+      builder.Add(wire, side.to == b ? TopoDS_Shape(side.edge) : side.edge.Reversed());
     }
     wire.Closed(true);
     builder.Add(face, wire);
@@ -275,7 +301,7 @@ Result<TopoDS_Shape> build(const FacetedSurface& facets) {
   for (const FacetPolygon& polygon : facets.polygons) {
     if (polygon.loops.empty()) return fail(ErrorCode::Failed, "A facet has no outer loop.");
   }
-  Result<Sides> sides = pairSides(facets);
+  Result<Sides> sides = pairSides(facets, {});
   if (!sides) return tl::unexpected<Error>(sides.error());
   makeEdges(facets, *sides);
 
@@ -317,6 +343,17 @@ Result<TopoDS_Shape> build(const FacetedSurface& facets) {
 Result<TopoDS_Shape> solidOfFacets(const FacetedSurface& facets) {
   return guardOcct("building a solid of planar facets",
                    [&]() -> Result<TopoDS_Shape> { return build(facets); });
+}
+
+Result<std::vector<TopoDS_Face>> facesOfFacets(const FacetedSurface& facets,
+                                               const Borders& borders) {
+  Result<Sides> sides = pairSides(facets, borders);
+  if (!sides) return tl::unexpected<Error>(sides.error());
+  makeEdges(facets, *sides);
+  std::vector<TopoDS_Face> faces;
+  for (const FacetPolygon& polygon : facets.polygons)
+    faces.push_back(makeFace(polygon, facets, *sides));
+  return faces;
 }
 
 }  // namespace phront::cad

@@ -14,6 +14,7 @@
 #include "rebuild/facet_bias.h"
 #include "rebuild/facet_solid.h"
 #include "rebuild/front_stage.h"
+#include "rebuild/plane_features.h"
 #include "tessellate/body_distance.h"
 
 namespace phront::cad {
@@ -49,31 +50,15 @@ constexpr double kCoarseSquares = 25'000;  // over the part's area, whatever the
 constexpr double kCoarseTolerance = 0.1;   // of |d|
 constexpr Index kCoarseFacets = 8000;
 
-std::vector<std::optional<Plane>> planesOf(const FeatureTable& features) {
-  std::vector<std::optional<Plane>> planes;
-  for (const FaceFeature& face : features.faces) planes.push_back(face.plane);
-  return planes;
-}
-
-int curvedFacets(const FacetedSurface& facets, const FeatureTable& features) {
-  int count = 0;
-  for (const FacetPolygon& polygon : facets.polygons) {
-    const bool planar = polygon.feature.kind == FeatureKind::Face &&
-                        features.faces[static_cast<std::size_t>(polygon.feature.id)].plane;
-    if (!planar) ++count;
-  }
-  return count;
-}
-
 // Facets and their solid as bytes: "<curved facets> <facets>\n" and the shape.
 Result<std::string> makeFacetSolid(double distance, const FacetOptions& options,
                                    const TrueDistance& phi, const IsoSurface& front) {
   Result<FacetedSurface> facets = facetIsoSurface(phi.surface(), front, distance, options);
   if (!facets) return tl::unexpected(facets.error());
-  removeChordalBias(*facets, distance, phi);
+  removeChordalBias(*facets, 0, distance, phi);
   const Result<TopoDS_Shape> solid = solidOfFacets(*facets);
   if (!solid) return tl::unexpected(solid.error());
-  return fmt::format("{} {}\n", curvedFacets(*facets, phi.tessellation().features),
+  return fmt::format("{} {}\n", curvedFacets(*facets, options.planeOfFace),
                      facets->polygons.size()) +
          bytesOfShape(*solid);
 }

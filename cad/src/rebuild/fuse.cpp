@@ -19,6 +19,7 @@
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
 #include <Geom2d_Curve.hxx>
+#include <Message_ProgressIndicator.hxx>
 #include <ShapeFix_Edge.hxx>
 #include <TColStd_MapOfInteger.hxx>
 #include <TopExp_Explorer.hxx>
@@ -31,6 +32,7 @@
 #include <map>
 #include <utility>
 
+#include "exchange/guard.h"
 #include "rebuild/contact_cells.h"
 #include "rebuild/inner_edges.h"
 #include "rebuild/section_curves.h"
@@ -174,6 +176,20 @@ class ThinnedFiller : public BOPAlgo_PaveFiller {
   PairFilter& filter_;
 };
 
+/// Asked once for every pair that is intersected.
+class PairPulse : public Message_ProgressIndicator {
+ public:
+  PairPulse() { Pulse::beat(); }
+  ~PairPulse() override { Pulse::rest(); }
+  Standard_Boolean UserBreak() override {
+    Pulse::beat();
+    return Standard_False;
+  }
+
+ protected:
+  void Show(const Message_ProgressScope&, const Standard_Boolean) override {}
+};
+
 /// Merging edges now and then loses the parameter curve of one on a face, and one such edge makes
 /// the builder throw for all faces.
 void completeParameterCurves(BOPDS_DS& ds) {
@@ -215,7 +231,10 @@ Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& face
   filler.SetNonDestructive(Standard_True);
   filler.SetRunParallel(Standard_False);
   if (fuzzy > 0) filler.SetFuzzyValue(fuzzy);
-  filler.Perform();
+  {
+    const Handle(PairPulse) pulse = new PairPulse;
+    filler.Perform(pulse->Start());
+  }
   if (filler.HasErrors()) return fail(ErrorCode::Failed, "the patches could not be intersected");
 
   completeParameterCurves(*filler.PDS());

@@ -14,6 +14,7 @@
 #include <map>
 
 #include "exchange/measures.h"
+#include "judge/widest_gap.h"
 #include "rebuild/edge_uses.h"
 #include "rebuild/fuse.h"
 #include "rebuild/select.h"
@@ -21,11 +22,12 @@
 namespace phront::cad {
 namespace {
 
-constexpr double kOffLevel = 0.03;  // of |d|: pieces and edges further off are at fault
-constexpr double kPitch = 1;        // |d|, between samples of pieces
-constexpr double kMeshSlack = 4;    // times the deflection: error of triangle distances
-constexpr double kLargeArea = 30;   // d^2: pieces are cut around their faults
-constexpr double kFrame = 1;        // |d|, so far away from them
+constexpr double kOffLevel = 0.03;      // of |d|: pieces and edges further off are at fault
+constexpr double kOpenOffLevel = 0.01;  // the same of edges at which facets will begin
+constexpr double kPitch = 1;            // |d|, between samples of pieces
+constexpr double kMeshSlack = 4;        // times the deflection: error of triangle distances
+constexpr double kLargeArea = 30;       // d^2: pieces are cut around their faults
+constexpr double kFrame = 1;            // |d|, so far away from them
 constexpr int kEdgeSamples = 5;
 constexpr int kRounds = 6;
 
@@ -61,12 +63,12 @@ class PieceSorter {
     }
     return off;
   }
-  [[nodiscard]] bool leavesLevel(const TopoDS_Edge& edge) const {
+  [[nodiscard]] bool leavesLevel(const TopoDS_Edge& edge, double limit) const {
     const BRepAdaptor_Curve curve(edge);
     for (int i = 0; i <= kEdgeSamples; ++i) {
       const double t = curve.FirstParameter() +
                        (curve.LastParameter() - curve.FirstParameter()) * i / kEdgeSamples;
-      if (offLevel(curve.Value(t)) > kOffLevel * size()) return true;
+      if (offLevel(curve.Value(t)) > limit * size()) return true;
     }
     return false;
   }
@@ -106,6 +108,7 @@ class PieceSorter {
     std::map<std::size_t, std::vector<gp_Pnt2d>> faults;
     for (std::size_t f = 0; inside && f < pieces_.size(); ++f) {
       std::vector<gp_Pnt2d> off = offLevel(pieces_[f]);
+      for (const FaceGap& gap : gapsOf(pieces_[f], kOffLevel * size())) off.push_back(gap.onFace);
       if (!off.empty()) faults[f] = std::move(off);
     }
     for (std::size_t f = 0; f < pieces_.size(); ++f)
@@ -128,7 +131,8 @@ class PieceSorter {
       const bool open = users.size() == 1;
       const bool spur = users.size() == 2 && users[0] == users[1] &&
                         !BRep_Tool::IsClosed(edge, pieces_[users[0]]);
-      const bool bad = users.size() > 2 || spur || (open && leavesLevel(edge));
+      const bool bad = users.size() > 2 || spur || (open && leavesLevel(edge, kOpenOffLevel)) ||
+                       (inside && leavesLevel(edge, kOffLevel));
       const bool oddFirst = open && odd(TopExp::FirstVertex(edge));
       const bool oddLast = open && odd(TopExp::LastVertex(edge));
       if (!bad && !oddFirst && !oddLast) continue;

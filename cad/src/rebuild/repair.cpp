@@ -32,7 +32,6 @@ Result<Assembly> repaired(const std::vector<JudgedFace>& pieces, const RepairReq
       frontCuts(pieces, true, request.options.distance, request.levelTolerance, phi);
   std::vector<TopoDS_Face> faces;
   for (const JudgedFace& piece : pieces) faces.push_back(piece.face);
-  std::vector<JudgedFace> cutPieces;
   AssembleOptions options = request.options;
   options.sewTolerance = std::max(options.sewTolerance, kCutSewing * size);
   for (const double share : kCutFuzzy) {
@@ -41,14 +40,7 @@ Result<Assembly> repaired(const std::vector<JudgedFace>& pieces, const RepairReq
     const Result<std::vector<TopoDS_Face>> split =
         splitFaces(faces, std::max(request.fuzzy, share * size), never, cuts);
     if (!split) continue;
-    cutPieces = request.judge(*split);
-    Assembly made = assembleSolids(cutPieces, options, phi);
-    if (isSound(made, size)) return made;
-  }
-  const std::array<const std::vector<JudgedFace>*, 2> sets{&cutPieces, &pieces};
-  for (const std::vector<JudgedFace>* set : sets) {
-    if (set->empty()) continue;
-    Assembly made = assembleWithFacets(*set, options, phi);
+    Assembly made = assembleSolids(request.judge(*split), options, phi);
     if (isSound(made, size)) return made;
   }
   return fail(ErrorCode::Failed, "the pieces do not close");
@@ -89,7 +81,7 @@ Result<Assembly> repairPieces(const std::vector<JudgedFace>& pieces, const Repai
   if (!bytes) return tl::unexpected(bytes.error());
   Result<Assembly> assembly = assemblyOfBytes(*bytes);
   if (!assembly) return assembly;
-  assembly->way = assembly->facetedFaces > 0 ? "pieces and facets" : "pieces cut by phi";
+  assembly->way = "pieces cut by phi";
   return assembly;
 }
 

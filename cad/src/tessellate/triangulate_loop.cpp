@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-#include "phront/fill_hole.h"
+#include "phront/least_area.h"
 
 namespace phront::cad {
 namespace {

@@ -42,6 +42,15 @@ struct FacetedSurface {
   double maxNonPlanarity = 0;  ///< largest distance of a point from the plane of its polygon
 };
 
+/// Openings of a surface that follows phi = d elsewhere.
+struct SurfaceHoles {
+  /// Per hole its loops of corners, with straight sides between them; the hole lies on their left,
+  /// seen from phi > d. Each corner once.
+  std::vector<std::vector<std::vector<Vec3>>> loops;
+  const SurfaceDistance& around;  ///< the surface that has the holes, as triangles
+  double margin = 0;  ///< > 0: so near to `around` the front gives way to triangles between them
+};
+
 /// Collapses edges (quadric error, Garland & Heckbert 1997; labels and creases kept), merges each
 /// plane-labelled region into one polygon, leaves triangles elsewhere.
 /// Fails with InvalidArgument, Failed (no closed result within maxFacets), Cancelled.
@@ -49,5 +58,16 @@ struct FacetedSurface {
                                                      const IsoSurface& iso, double level,
                                                      const FacetOptions& options,
                                                      const Progress& progress = {});
+
+/// Facets of the part of phi = d that fills the holes: what of the front lies farther than the
+/// margin from the surface around them, and what joins it to their corners (least area, see
+/// leastAreaTriangles()). The result's first points are the corners in the order given; each side
+/// of a loop is used once, along the loop. Whole components of the front far from that surface are
+/// filled in, too. Fails as facetIsoSurface() and with ResourceLimit (a hole of too many corners).
+[[nodiscard]] Result<FacetedSurface> facetHoles(const SurfaceDistance& surface,
+                                                const IsoSurface& iso, double level,
+                                                const SurfaceHoles& holes,
+                                                const FacetOptions& options,
+                                                const Progress& progress = {});
 
 }  // namespace phront

@@ -12,6 +12,7 @@
 #include "front/facet_collapse.h"
 #include "front/facet_mesh.h"
 #include "front/facet_tidy.h"
+#include "front/hole_patch.h"
 
 namespace phront {
 
@@ -66,21 +67,15 @@ Result<void> validate(const SurfaceDistance& surface, const IsoSurface& iso, dou
 Index countFacets(const facet::WorkMesh& mesh) {
   Index count = 0;
   for (Index t = 0; t < mesh.triangleCount(); ++t) {
-    if (mesh.alive(t) && mesh.plane[t] == kNone) ++count;
+    if (mesh.alive(t) && !mesh.frozen(t) && mesh.plane[t] == kNone) ++count;
   }
   return count;
 }
 
-}  // namespace
-
-Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const IsoSurface& iso,
-                                       double level, const FacetOptions& options,
-                                       const Progress& progress) {
-  if (iso.mesh.triangles.empty()) return FacetedSurface{};
-  if (const auto ok = validate(surface, iso, level, options); !ok) {
-    return tl::unexpected<Error>(ok.error());
-  }
-  const Box3 box = boundingBox(iso.mesh);
+/// `box` of the whole front. The first points of `iso` are apexes and fixed points of the mesh.
+Result<FacetedSurface> facets(const SurfaceDistance& surface, const IsoSurface& iso,
+                              const Box3& box, Index apexes, Index fixedPoints, double level,
+                              const FacetOptions& options, const Progress& progress) {
   const double diagonal = box.diagonal().norm();
   const facet::Context context{.surface = surface,
                                .level = level,
@@ -92,6 +87,8 @@ Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const Iso
       iso.mesh.faceOf.empty() ? std::vector<Feature>{Feature{FeatureKind::Face, 0}} : iso.labels;
 
   facet::WorkMesh mesh = facet::makeWorkMesh(context, iso);
+  mesh.apexes = apexes;
+  mesh.fixedPoints = fixedPoints;
   if (!progress.report(0.1)) return fail(ErrorCode::Cancelled, "Facetting was cancelled.");
   facet::assignPlanes(mesh, context, labels, options.planeOfFace, kSnapShare * options.tolerance);
   facet::refine(mesh, context, kRefineShare * options.tolerance, kShortestOfSpacing * iso.spacing,
@@ -114,6 +111,31 @@ Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const Iso
   return fail(ErrorCode::Failed,
               fmt::format("More than {} facets are left even at {:.3g} times the tolerance.",
                           options.maxFacets, tolerance / options.tolerance));
+}
+
+}  // namespace
+
+Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const IsoSurface& iso,
+                                       double level, const FacetOptions& options,
+                                       const Progress& progress) {
+  if (iso.mesh.triangles.empty()) return FacetedSurface{};
+  if (const auto ok = validate(surface, iso, level, options); !ok) {
+    return tl::unexpected<Error>(ok.error());
+  }
+  return facets(surface, iso, boundingBox(iso.mesh), 0, 0, level, options, progress);
+}
+
+Result<FacetedSurface> facetHoles(const SurfaceDistance& surface, const IsoSurface& iso,
+                                  double level, const SurfaceHoles& holes,
+                                  const FacetOptions& options, const Progress& progress) {
+  const Result<facet::HolePatch> patch = facet::makeHolePatch(surface, iso, holes);
+  if (!patch) return tl::unexpected<Error>(patch.error());
+  if (const auto ok = validate(surface, patch->iso, level, options); !ok) {
+    return tl::unexpected<Error>(ok.error());
+  }
+  const Box3 box = boundingBox(iso.mesh).merged(boundingBox(patch->iso.mesh));
+  return facets(surface, patch->iso, box, patch->apexes, patch->fixedPoints, level, options,
+                progress);
 }
 
 }  // namespace phront

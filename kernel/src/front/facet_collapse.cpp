@@ -62,7 +62,7 @@ Collapser::Collapser(WorkMesh& mesh, const Context& context) : mesh_(mesh), cont
   changed_.assign(mesh.points.size(), 1);
   witnesses_.resize(mesh.corners.size());
   for (Index t = 0; t < mesh.triangleCount(); ++t) {
-    if (!mesh.alive(t)) continue;
+    if (!mesh.alive(t) || mesh.frozen(t)) continue;
     const double weight = mesh.areaVector(t).norm() / 6;  // a third of the area to each corner
     const bool planar = mesh.plane[t] != kNone;
     const Vec3 normal = planar ? mesh.planes[mesh.plane[t]].normal : mesh.tangent[t];
@@ -73,6 +73,7 @@ Collapser::Collapser(WorkMesh& mesh, const Context& context) : mesh_(mesh), cont
 }
 
 void Collapser::push(Index p, Index q) {
+  if (mesh_.fixed(p) || q < mesh_.apexes) return;
   const double weight = quadrics_[p].a.trace();  // traces of n n^T add up to the weight
   const double error = std::max(0.0, quadrics_[p].at(mesh_.points[q] - origin_));
   if (error > weight * std::pow(kHopeless * tolerance_, 2)) return;

@@ -38,7 +38,7 @@ void measureFacets(FacetedSurface& result, const WorkMesh& mesh, const Context& 
   std::vector<Index> alive;
   double total = 0;
   for (Index t = 0; t < mesh.triangleCount(); ++t) {
-    if (!mesh.alive(t)) continue;
+    if (!mesh.alive(t) || mesh.frozen(t)) continue;
     alive.push_back(t);
     total += mesh.areaVector(t).norm() / 2;
   }

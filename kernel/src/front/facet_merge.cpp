@@ -30,14 +30,14 @@ std::vector<Region> regionsOf(const WorkMesh& mesh, std::vector<Index>& regionOf
   std::vector<Region> regions;
   regionOf.assign(mesh.corners.size(), kNone);
   for (Index seed = 0; seed < mesh.triangleCount(); ++seed) {
-    if (!mesh.alive(seed) || regionOf[seed] != kNone) continue;
+    if (!mesh.alive(seed) || mesh.frozen(seed) || regionOf[seed] != kNone) continue;
     const auto id = static_cast<Index>(regions.size());
     Region region{seed};
     regionOf[seed] = id;
     for (std::size_t i = 0; i < region.size() && mesh.plane[seed] != kNone; ++i) {
       for (int k = 0; k < 3; ++k) {
         const Index other = mesh.across(region[i], k);
-        if (other == kNone || regionOf[other] != kNone) continue;
+        if (other == kNone || mesh.frozen(other) || regionOf[other] != kNone) continue;
         if (mesh.plane[other] != mesh.plane[seed]) continue;
         regionOf[other] = id;
         region.push_back(other);
@@ -146,8 +146,8 @@ std::vector<FacetPolygon> regionPolygons(const WorkMesh& mesh, const Context& co
   return polygons;
 }
 
-/// Drops points on straight borders between two polygons.
-void dropCollinear(FacetedSurface& surface, double tolerance) {
+/// Drops points, but the first `fixed`, on straight borders between two polygons.
+void dropCollinear(FacetedSurface& surface, Index fixed, double tolerance) {
   struct Visit {
     std::size_t polygon = 0;
     std::size_t loop = 0;
@@ -166,7 +166,7 @@ void dropCollinear(FacetedSurface& surface, double tolerance) {
       }
     }
   }
-  for (Index p = 0; p < static_cast<Index>(surface.points.size()); ++p) {
+  for (Index p = fixed; p < static_cast<Index>(surface.points.size()); ++p) {
     if (visits[p].size() != 2) continue;
     // Neighbours in a loop change as points go: look them up anew.
     std::array<Loop*, 2> loops{};
@@ -233,7 +233,7 @@ FacetedSurface mergePlanes(const WorkMesh& mesh, const Context& context,
     }
     std::move(polygons.begin(), polygons.end(), std::back_inserter(result.polygons));
   }
-  dropCollinear(result, kCollinear * context.diagonal);
+  dropCollinear(result, mesh.fixedPoints, kCollinear * context.diagonal);
   dropUnusedPoints(result);
   return result;
 }

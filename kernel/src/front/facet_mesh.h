@@ -24,7 +24,13 @@ struct WorkMesh {
   std::vector<std::vector<Index>> around;       ///< per point: its triangles
   std::vector<std::vector<Index>> exactPlanes;  ///< per point: planes it lies on exactly, sorted
   std::vector<Plane> planes;                    ///< offset planes, each once
+  Index apexes = 0;       ///< the first points: triangles that use one are no part of the surface
+  Index fixedPoints = 0;  ///< the first points, apexes among them, stay where they are
 
+  [[nodiscard]] bool fixed(Index p) const { return p < fixedPoints; }
+  [[nodiscard]] bool frozen(Index t) const {
+    return alive(t) && (corners[t][0] < apexes || corners[t][1] < apexes || corners[t][2] < apexes);
+  }
   [[nodiscard]] Index pointCount() const { return static_cast<Index>(points.size()); }
   [[nodiscard]] Index triangleCount() const { return static_cast<Index>(corners.size()); }
   [[nodiscard]] bool alive(Index t) const { return corners[t][0] != kNone; }

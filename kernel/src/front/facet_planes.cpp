@@ -70,7 +70,7 @@ void growPlanes(WorkMesh& mesh, double snap) {
     front.pop_front();
     for (int k = 0; k < 3; ++k) {
       const Index other = mesh.across(t, k);
-      if (other == kNone || mesh.plane[other] != kNone) continue;
+      if (other == kNone || mesh.frozen(other) || mesh.plane[other] != kNone) continue;
       if (!fits(mesh, other, mesh.plane[t], snap)) continue;
       mesh.plane[other] = mesh.plane[t];
       front.push_back(other);
@@ -135,6 +135,7 @@ void assignPlanes(WorkMesh& mesh, const Context& context, std::span<const Featur
                   std::span<const std::optional<Plane>> planeOfFace, double snap) {
   const std::vector<Index> planeOfLabel = collectPlanes(mesh, context, planeOfFace, labels);
   for (Index t = 0; t < mesh.triangleCount(); ++t) {
+    if (mesh.frozen(t)) continue;
     const Index plane = planeOfLabel[mesh.label[t]];
     if (plane != kNone && fits(mesh, t, plane, snap)) mesh.plane[t] = plane;
   }
@@ -149,8 +150,8 @@ void assignPlanes(WorkMesh& mesh, const Context& context, std::span<const Featur
     mesh.points[p] = start[p];
     mesh.exactPlanes[p] = planesAround(mesh, p);
     if (mesh.exactPlanes[p].empty()) continue;
-    const auto y =
-        commonPoint(mesh, mesh.exactPlanes[p], start[p], snap, kOnPlane * context.diagonal);
+    const auto y = commonPoint(mesh, mesh.exactPlanes[p], start[p], mesh.fixed(p) ? 0 : snap,
+                               kOnPlane * context.diagonal);
     if (y) {
       mesh.points[p] = *y;
     } else {

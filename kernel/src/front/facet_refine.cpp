@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <queue>
+#include <set>
 #include <tuple>
 
 #include "front/facet_mesh.h"
@@ -34,6 +35,17 @@ constexpr std::size_t kMaxSpokes = 64;
 constexpr double kTooNear = 0.15;
 // A projected middle has landed when it misses phi = d by no more than this share of the tolerance.
 constexpr double kLanded = 0.1;
+// The same of one where sheets change, the part of the side that is searched to either end for the
+// change, and how often and how well.
+constexpr double kChangeLanded = 0.5;
+constexpr double kLargestChangeMove = 1.5;
+constexpr double kChangeReach = 0.4;
+constexpr int kChangeSteps = 3;
+constexpr int kBisections = 10;
+// A side is turned where that takes away this share of its deviation.
+constexpr double kWorthTurning = 0.3;
+// Cosine of the largest angle between a turned triangle and grad phi.
+constexpr double kFacing = 0.3;
 
 struct Side {
   double length = 0;
@@ -89,6 +101,42 @@ std::optional<Vec3> creasePoint(const WorkMesh& mesh, const Context& context, co
   return x;
 }
 
+/// creasePoint() where more than two sheets are near: the tangent planes are taken right before and
+/// behind the place where the foot changes sheets, which is found by bisection.
+std::optional<Vec3> changePoint(const WorkMesh& mesh, const Context& context, const Side& side,
+                                Index hint, double tolerance) {
+  const Vec3 along = mesh.points[side.to] - mesh.points[side.from];
+  const Vec3 middle = 0.5 * (mesh.points[side.from] + mesh.points[side.to]);
+  struct Probe {
+    Vec3 x, gradient;
+    double gap;
+  };
+  const auto probe = [&](const Vec3& x) {
+    const FootPoint foot = context.surface.footFrom(x, hint);
+    return Probe{x, context.surface.gradient(x, foot), context.level - foot.phi()};
+  };
+  Vec3 x = middle;
+  for (int step = 0; step < kChangeSteps; ++step) {
+    Probe a = probe(x - kChangeReach * along);
+    Probe b = probe(x + kChangeReach * along);
+    if (!(a.gradient.dot(b.gradient) < kSharp)) return std::nullopt;
+    for (int k = 0; k < kBisections; ++k) {
+      const Probe m = probe(0.5 * (a.x + b.x));
+      (m.gradient.dot(a.gradient) > m.gradient.dot(b.gradient) ? a : b) = m;
+    }
+    const double cosine = a.gradient.dot(b.gradient);
+    if (!(std::abs(cosine) < kSharp)) return std::nullopt;
+    const double gapA = a.gap - a.gradient.dot(x - a.x);
+    const double gapB = b.gap - b.gradient.dot(x - b.x);
+    x += (a.gradient * (gapA - cosine * gapB) + b.gradient * (gapB - cosine * gapA)) /
+         (1 - cosine * cosine);
+    if (!x.allFinite() || (x - middle).norm() > kLargestChangeMove * side.length)
+      return std::nullopt;
+  }
+  if (measure(context, x, hint).deviation > kChangeLanded * tolerance) return std::nullopt;
+  return x;
+}
+
 /// True when x lies nearer than `distance` to a corner of the triangles: beside a crease middles of
 /// several sides land on one point, and coincident points are poison downstream.
 bool nearCorner(const WorkMesh& mesh, const std::vector<Index>& triangles, const Vec3& x,
@@ -115,11 +163,62 @@ Index splitTriangle(WorkMesh& mesh, Index t, Index from, Index to, Index p) {
   return half;
 }
 
+/// The other diagonal of the two triangles at a side in its place, where it is nearer to phi = d:
+/// the corner that a split would make may be there already. False where it is not, or a triangle
+/// would turn over.
+bool turn(WorkMesh& mesh, const Context& context, const std::vector<Index>& both, const Side& side,
+          const Measured& middle) {
+  const auto apex = [&](Index t) {
+    for (const Index p : mesh.corners[t])
+      if (p != side.from && p != side.to) return p;
+    return kNone;
+  };
+  const bool runsAlong =
+      mesh.corners[both[0]][(mesh.cornerOf(both[0], side.from) + 1) % 3] == side.to;
+  const Index first = runsAlong ? both[0] : both[1];  // holds from -> to
+  const Index second = runsAlong ? both[1] : both[0];
+  const Index c = apex(first);
+  const Index d = apex(second);
+  if (c == d) return false;
+  for (const Index t : mesh.around[c])
+    for (const Index p : mesh.corners[t])
+      if (p == d) return false;
+  const Vec3& pc = mesh.points[c];
+  const Vec3& pd = mesh.points[d];
+  if (measure(context, 0.5 * (pc + pd), middle.triangle).deviation >
+      (1 - kWorthTurning) * middle.deviation)
+    return false;
+  const std::array<Corners, 2> after{Corners{side.from, d, c}, Corners{d, side.to, c}};
+  for (const Corners& t : after) {
+    const Vec3& p = mesh.points[t[0]];
+    const Vec3& q = mesh.points[t[1]];
+    const Vec3& r = mesh.points[t[2]];
+    const Vec3 normal = (q - p).cross(r - p);
+    if (smallestHeight(p, q, r) < context.heightFloor) return false;
+    const Measured at = measure(context, (p + q + r) / 3, middle.triangle);
+    if (normal.dot(at.gradient) < kFacing * normal.norm()) return false;
+  }
+  std::erase(mesh.around[side.to], first);
+  std::erase(mesh.around[side.from], second);
+  mesh.corners[first] = after[0];
+  mesh.corners[second] = after[1];
+  mesh.around[d].push_back(first);
+  mesh.around[c].push_back(second);
+  for (const Index t : {first, second}) {
+    mesh.plane[t] = kNone;
+    const Measured at = measure(context, mesh.centroid(t), middle.triangle);
+    mesh.hint[t] = at.triangle;
+    mesh.tangent[t] = at.gradient;
+  }
+  return true;
+}
+
 }  // namespace
 
 void refine(WorkMesh& mesh, const Context& context, double tolerance, double shortest,
             Index maxTriangles) {
   std::priority_queue<Side> queue;
+  std::set<std::pair<Index, Index>> turned;  // each side once, lest two turn for ever
   const auto push = [&](Index a, Index b) {
     if (a > b) std::swap(a, b);
     queue.push({(mesh.points[a] - mesh.points[b]).norm(), a, b});
@@ -142,14 +241,21 @@ void refine(WorkMesh& mesh, const Context& context, double tolerance, double sho
       const Corners& c = mesh.corners[t];
       if (c[0] == side.to || c[1] == side.to || c[2] == side.to) both.push_back(t);
     }
-    if (both.size() != 2) continue;
+    if (both.size() != 2 || mesh.frozen(both[0]) || mesh.frozen(both[1])) continue;
     if (mesh.plane[both[0]] != kNone && mesh.plane[both[1]] != kNone) continue;
     const Vec3 middle = 0.5 * (mesh.points[side.from] + mesh.points[side.to]);
     const Measured m = measure(context, middle, mesh.hint[both[0]]);
     if (m.deviation <= tolerance) continue;
     auto x = creasePoint(mesh, context, side, m.triangle, tolerance);
     if (!x) x = projectedMiddle(mesh, context, side, m.triangle, tolerance);
-    if (!x || nearCorner(mesh, both, *x, kTooNear * side.length)) continue;
+    if (!x) x = changePoint(mesh, context, side, m.triangle, tolerance);
+    if (!x || nearCorner(mesh, both, *x, kTooNear * side.length)) {
+      if (turned.insert({side.from, side.to}).second && turn(mesh, context, both, side, m)) {
+        for (const Index t : both)
+          for (int k = 0; k < 3; ++k) push(mesh.corners[t][k], mesh.corners[t][(k + 1) % 3]);
+      }
+      continue;
+    }
     const Index p = mesh.pointCount();
     mesh.points.push_back(*x);
     mesh.around.emplace_back();

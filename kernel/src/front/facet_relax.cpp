@@ -25,7 +25,7 @@ std::vector<double> deviations(WorkMesh& mesh, const Context& context) {
   parallelFor(mesh.triangleCount(), context.threads, kGrain,
               [&](std::int64_t begin, std::int64_t end) {
                 for (auto t = static_cast<Index>(begin); t < end; ++t) {
-                  if (!mesh.alive(t) || mesh.plane[t] != kNone) continue;
+                  if (!mesh.alive(t) || mesh.frozen(t) || mesh.plane[t] != kNone) continue;
                   const Vec3 x = mesh.centroid(t);
                   const FootPoint foot = context.surface.footFrom(x, mesh.hint[t]);
                   result[t] = foot.phi() - context.level;
@@ -53,7 +53,7 @@ bool turnsNothing(const WorkMesh& mesh, const Context& context, Index p, const V
 
 void relax(WorkMesh& mesh, const Context& context, double tolerance) {
   const std::vector<double> deviation = deviations(mesh, context);
-  for (Index p = 0; p < mesh.pointCount(); ++p) {
+  for (Index p = mesh.fixedPoints; p < mesh.pointCount(); ++p) {
     if (mesh.around[p].empty() || !mesh.exactPlanes[p].empty()) continue;
     double mean = 0;
     double weight = 0;

@@ -4,12 +4,13 @@
 // Two local steps, both of which keep every side used once each way: contracting a side (both ends
 // become one point, loops that shrink below a triangle vanish), and giving a flat triangle to its
 // neighbour beyond the longest side, whose loop then runs through the third corner. A contraction
-// that would join two sides into one with more than two users is taken back.
+// that would join two sides into one with more than two users, or change the border, is taken back.
 #include "front/facet_tidy.h"
 
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
@@ -21,15 +22,19 @@ using Loop = std::vector<Index>;
 // Each pass may uncover new needles; in practice two suffice.
 constexpr int kMaxPasses = 6;
 
-bool closes(const FacetedSurface& surface) {
-  std::set<std::pair<Index, Index>> sides;
+using Sides = std::set<std::pair<Index, Index>>;
+
+/// Sides that are used one way only; empty when one is used twice the same way.
+std::optional<Sides> borderOf(const FacetedSurface& surface) {
+  Sides sides;
   for (const FacetPolygon& polygon : surface.polygons)
     for (const Loop& loop : polygon.loops)
       for (std::size_t k = 0; k < loop.size(); ++k)
-        if (!sides.insert({loop[k], loop[(k + 1) % loop.size()]}).second) return false;
-  return std::all_of(sides.begin(), sides.end(), [&](const std::pair<Index, Index>& side) {
-    return sides.contains({side.second, side.first});
-  });
+        if (!sides.insert({loop[k], loop[(k + 1) % loop.size()]}).second) return std::nullopt;
+  Sides border;
+  for (const auto& [a, b] : sides)
+    if (!sides.contains({b, a})) border.insert({a, b});
+  return border;
 }
 
 /// A loop without repeated points in a row and without spikes (x, y, x).
@@ -118,10 +123,13 @@ std::vector<std::pair<Index, Index>> shortSides(const FacetedSurface& surface, d
 
 bool contractShortSides(FacetedSurface& surface, double floor) {
   bool changed = false;
-  for (const auto& [a, b] : shortSides(surface, floor)) {
+  const std::vector<std::pair<Index, Index>> sides = shortSides(surface, floor);
+  if (sides.empty()) return false;
+  const std::optional<Sides> border = borderOf(surface);
+  for (const auto& [a, b] : sides) {
     FacetedSurface tried = surface;
     contract(tried, b, a);
-    if (!closes(tried)) continue;
+    if (borderOf(tried) != border) continue;
     surface = std::move(tried);
     changed = true;
   }
