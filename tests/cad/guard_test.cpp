@@ -303,5 +303,36 @@ TEST(ShapeBytes, RefusesDamage) {
   EXPECT_TRUE(!result || *result == "error");
 }
 
+TEST(Guard, AChildWithoutSignsOfLifeIsKilled) {
+  const Pulse pulse;
+  GuardLimits limits{60, 1000, &pulse, 0.3};
+  const auto start = std::chrono::steady_clock::now();
+  const auto hung = runInChild("hanging", limits, []() -> Result<std::string> {
+    Pulse::beat();
+    for (;;) ::pause();
+  });
+  ASSERT_FALSE(hung);
+  EXPECT_EQ(hung.error().code, ErrorCode::ResourceLimit);
+  EXPECT_NE(hung.error().message.find("no progress"), std::string::npos);
+  EXPECT_GT(pulse.silence(), 0.3);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+}
+
+TEST(Guard, SignsOfLifeAndRestKeepAChildAlive) {
+  for (const bool rests : {false, true}) {
+    const Pulse pulse;
+    const auto done = runInChild("working", {60, 1000, &pulse, 0.5}, [&]() -> Result<std::string> {
+      Pulse::beat();
+      if (rests) Pulse::rest();
+      for (int i = 0; i < 15; ++i) {
+        ::usleep(100'000);
+        if (!rests) Pulse::beat();
+      }
+      return std::string("done");
+    });
+    EXPECT_TRUE(done) << done.error().message;
+  }
+}
+
 }  // namespace
 }  // namespace phront::cad

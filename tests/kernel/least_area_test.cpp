@@ -26,19 +26,19 @@ double areaOf(const std::vector<std::array<Index, 3>>& triangles, const std::vec
   return sum;
 }
 
-TEST(LeastAreaTriangles, NoNeedlesWhereCornersLieInLine) {
+TEST(LeastAreaTriangles, NoFlatOnesWhereCornersLieInLine) {
   const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}};
-  const auto triangles = leastAreaTriangles({0, 1, 2, 3, 4}, points, Needles::Avoided);
+  const auto triangles = leastAreaTriangles({0, 1, 2, 3, 4}, points, Flat::Avoided);
   ASSERT_EQ(triangles.size(), 3U);
   double sum = 0;
   for (const auto& [a, b, c] : triangles) {
     const Vec3 area = 0.5 * (points[b] - points[a]).cross(points[c] - points[a]);
-    EXPECT_GT(area[2], 0.1) << "a needle";
+    EXPECT_GT(area[2], 0.1) << "a flat one";
     sum += area[2];
   }
   EXPECT_NEAR(sum, 4, 1e-12);
-  EXPECT_TRUE(leastAreaTriangles({0, 1}, points, Needles::Allowed).empty());
-  EXPECT_TRUE(leastAreaTriangles({0, 1, 0}, points, Needles::Allowed).empty());
+  EXPECT_TRUE(leastAreaTriangles({0, 1}, points, Flat::Allowed).empty());
+  EXPECT_TRUE(leastAreaTriangles({0, 1, 0}, points, Flat::Allowed).empty());
 }
 
 TEST(LeastAreaTriangles, ASlitGetsNoTriangleOfCornersInLine) {
@@ -48,7 +48,7 @@ TEST(LeastAreaTriangles, ASlitGetsNoTriangleOfCornersInLine) {
   for (int i = 5; i >= 0; --i) points.emplace_back(i, 1e-6, 0);
   std::vector<Index> polygon(points.size());
   for (std::size_t i = 0; i < polygon.size(); ++i) polygon[i] = static_cast<Index>(i);
-  const auto triangles = leastAreaTriangles(polygon, points, Needles::Avoided);
+  const auto triangles = leastAreaTriangles(polygon, points, Flat::Avoided);
   ASSERT_EQ(triangles.size(), points.size() - 2);
   for (const auto& t : triangles) EXPECT_GT(areaOf({t}, points), 4e-7);
 }
@@ -62,11 +62,11 @@ TEST(LeastAreaTriangles, SidesThatAreTakenAreNotMadeAgain) {
   };
   const std::vector<Index> polygon{0, 1, 2, 3};
   for (const auto& [a, b] : {std::pair<Index, Index>{0, 2}, std::pair<Index, Index>{1, 3}}) {
-    const auto triangles = leastAreaTriangles(polygon, square, Needles::Avoided, {{a, b}, {0, 1}});
+    const auto triangles = leastAreaTriangles(polygon, square, Flat::Avoided, {{a, b}, {0, 1}});
     ASSERT_EQ(triangles.size(), 2U);
     EXPECT_FALSE(has(triangles, a, b));
   }
-  EXPECT_TRUE(leastAreaTriangles(polygon, square, Needles::Avoided, {{0, 2}, {1, 3}}).empty());
+  EXPECT_TRUE(leastAreaTriangles(polygon, square, Flat::Avoided, {{0, 2}, {1, 3}}).empty());
 }
 
 TEST(JoinLoops, ARingBetweenTwoLoopsIsOnePolygon) {
@@ -77,7 +77,7 @@ TEST(JoinLoops, ARingBetweenTwoLoopsIsOnePolygon) {
   for (Index i = 0; i < 36; ++i) loops[i < 24 ? 0 : 1].push_back(i);
   const std::vector<Index> polygon = joinLoops(loops, points);
   EXPECT_EQ(polygon.size(), 38U);  // the side that joins them is used both ways
-  const auto triangles = leastAreaTriangles(polygon, points, Needles::Avoided);
+  const auto triangles = leastAreaTriangles(polygon, points, Flat::Avoided);
   ASSERT_EQ(triangles.size(), 36U);
   const auto area = [](int n, double r) {
     return 0.5 * n * r * r * std::sin(2 * std::numbers::pi / n);

@@ -148,14 +148,19 @@ class Assembler {
     return yes > no;
   }
 
-  Assembly finish(const std::vector<TopoDS_Shape>& cells, const std::string& way) {
+  /// Those of the cells that belong to the offset, as one shape.
+  TopoDS_Shape insideOf(const std::vector<TopoDS_Shape>& cells) {
     std::vector<TopoDS_Shape> solids;
     for (const TopoDS_Shape& cell : cells) {
       if (inside(cell) && hasVolume(cell, options_.diagonal)) solids.push_back(cell);
     }
+    return asOne(solids);
+  }
+
+  Assembly finish(const std::vector<TopoDS_Shape>& cells, const std::string& way) {
     Assembly result;
     result.way = way;
-    result.shape = asOne(solids);
+    result.shape = insideOf(cells);
     if (result.shape.IsNull()) return result;
     if (!BRepCheck_Analyzer(result.shape).IsValid()) repair(result);
     result.shape = withNarrowVertices(withoutTinyEdges(result.shape),
@@ -212,11 +217,17 @@ class Assembler {
     const Result<FacetedGaps> gaps = facetGaps(faces, options, front, phi_);
     if (!gaps) return tl::unexpected<Error>(gaps.error());
     const std::vector<TopoDS_Shape> all(gaps->faces.begin(), gaps->faces.end());
-    liveArea_ = 0;  // of what is left
-    for (const TopoDS_Shape& face : all) liveArea_ += areaOf(face);
-    Assembly result = finish(cellsOf(all), "pieces and facets");
+    double area = 0;
+    for (const TopoDS_Shape& face : all) area += areaOf(face);
+    // They were looked at as a file carries them: nothing is healed any more.
+    Assembly result;
+    result.way = "pieces and facets";
+    std::vector<TopoDS_Shape> cells = cellsOf(all);
+    for (TopoDS_Shape& cell : cells) cell = solidInReadingOrder(cell);
+    result.shape = insideOf(cells);
     result.facetedFaces = gaps->curvedFacets;
-    if (result.shape.IsNull() || result.openEdges > 0)
+    if (result.shape.IsNull() || countOpenEdges(result.shape) > 0 ||
+        areaOf(result.shape) < (1 - kUnusedArea) * area)
       return fail(ErrorCode::Failed, "pieces and facets do not close");
     return result;
   }

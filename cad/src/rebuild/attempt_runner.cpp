@@ -214,9 +214,11 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
       if (log.accepted) break;  // done, or stopped on the way
       if (trial.timedOut) leastWorth = std::max(leastWorth, kShareOfTimeout * chosen[i].timeLimit);
       log.lines.push_back(trial.line);
-      if (trial.hung && !hung) {
+      if (trial.hung && !hung && log.open.empty()) {
+        // Other settings cut the same patches.
         hung = true;
-        settings.insert(settings.begin() + static_cast<std::ptrdiff_t>(next), withoutSlowPairs());
+        settings.resize(next);
+        settings.push_back(withoutSlowPairs());
       }
       if (!trial.accepted && !trial.pieces.IsNull())
         log.open.push_back({chosen[i].name, chosen[i].reach, trial.pieces});

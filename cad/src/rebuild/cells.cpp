@@ -3,6 +3,7 @@
 #include "rebuild/cells.h"
 
 #include <BOPAlgo_MakerVolume.hxx>
+#include <BRep_Builder.hxx>
 #include <BRep_Tool.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -10,6 +11,14 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Shell.hxx>
+#include <TopoDS_Solid.hxx>
+#include <algorithm>
+#include <functional>
+#include <numeric>
+
+#include "exchange/measures.h"
+#include "rebuild/edge_uses.h"
 
 namespace phront::cad {
 
@@ -82,6 +91,55 @@ int countOpenEdges(const TopoDS_Shape& shape) {
     for (int i = 1; i <= edges.Extent(); ++i) open += uses.Find(edges(i)) == 2 ? 0 : 1;
   }
   return open;
+}
+
+std::vector<TopoDS_Face> inReadingOrder(const std::vector<TopoDS_Face>& faces) {
+  const EdgeUses uses(faces);
+  std::vector<std::vector<std::size_t>> beside(faces.size());
+  for (const std::vector<std::size_t>& users : uses.faces) {
+    for (const std::size_t f : users)
+      for (const std::size_t g : users)
+        if (f != g) beside[f].push_back(g);
+  }
+  std::vector<double> areas;
+  for (const TopoDS_Face& face : faces) areas.push_back(areaOf(face));
+  std::vector<std::size_t> bySize(faces.size());
+  std::iota(bySize.begin(), bySize.end(), std::size_t{0});
+  std::ranges::stable_sort(bySize, std::ranges::greater{}, [&](std::size_t f) { return areas[f]; });
+  std::vector<TopoDS_Face> ordered;
+  std::vector<char> taken(faces.size(), 0);
+  for (const std::size_t first : bySize) {
+    if (taken[first]) continue;
+    taken[first] = 1;
+    std::vector<std::size_t> connected{first};
+    for (std::size_t at = 0; at < connected.size(); ++at) {
+      ordered.push_back(faces[connected[at]]);
+      for (const std::size_t next : beside[connected[at]]) {
+        if (taken[next]) continue;
+        taken[next] = 1;
+        connected.push_back(next);
+      }
+    }
+  }
+  return ordered;
+}
+
+TopoDS_Shape solidInReadingOrder(const TopoDS_Shape& solid) {
+  const BRep_Builder builder;
+  TopoDS_Solid ordered;
+  builder.MakeSolid(ordered);
+  const TopoDS_Shape forward = solid.Oriented(TopAbs_FORWARD);
+  for (TopExp_Explorer shell(forward, TopAbs_SHELL); shell.More(); shell.Next()) {
+    std::vector<TopoDS_Face> faces;
+    for (TopExp_Explorer f(shell.Current(), TopAbs_FACE); f.More(); f.Next())
+      faces.push_back(TopoDS::Face(f.Current()));
+    TopoDS_Shell made;
+    builder.MakeShell(made);
+    for (const TopoDS_Face& face : inReadingOrder(faces)) builder.Add(made, face);
+    made.Closed(shell.Current().Closed());
+    builder.Add(ordered, made);
+  }
+  return ordered.Oriented(solid.Orientation());
 }
 
 }  // namespace phront::cad

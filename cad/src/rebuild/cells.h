@@ -21,6 +21,13 @@ namespace phront::cad {
 /// What bounds the cells together: faces that bound exactly one of them, as that cell has them.
 [[nodiscard]] std::vector<TopoDS_Face> skinOf(const std::vector<TopoDS_Shape>& cells);
 
+/// The faces, the largest of each connected set first and each other behind one that it shares an
+/// edge with: readers put shells together face by face, and need many passes over another order.
+[[nodiscard]] std::vector<TopoDS_Face> inReadingOrder(const std::vector<TopoDS_Face>& faces);
+
+/// The solid with the faces of its shells in that order.
+[[nodiscard]] TopoDS_Shape solidInReadingOrder(const TopoDS_Shape& solid);
+
 /// Edges (degenerated ones aside) that their shell does not use exactly twice.
 [[nodiscard]] int countOpenEdges(const TopoDS_Shape& shape);
 

@@ -13,6 +13,7 @@
 #include "judge/read_back.h"
 #include "judge/widest_gap.h"
 #include "phront/cad/shape_occt.h"
+#include "rebuild/cells.h"
 #include "rebuild/select.h"
 
 namespace phront::cad {
@@ -36,7 +37,7 @@ std::vector<Vec3> faultsInFile(const std::vector<TopoDS_Face>& faces, double gap
   const BRep_Builder builder;
   TopoDS_Shell shell;
   builder.MakeShell(shell);
-  for (const TopoDS_Face& face : faces) builder.Add(shell, face);
+  for (const TopoDS_Face& face : inReadingOrder(faces)) builder.Add(shell, face);
   Body body;
   body.shape = makeShape(shell);
   body.kind = BodyKind::Sheet;

@@ -31,7 +31,7 @@ constexpr double kLeastSeconds = 5;
 constexpr double kMostSeconds = 25;
 constexpr double kCheckSeconds = 30;
 constexpr double kMemoryMiB = 3000;
-constexpr std::size_t kMostTries = 3;
+constexpr std::size_t kMostTries = 2;
 
 }  // namespace
 

@@ -38,7 +38,7 @@ std::vector<std::array<Index, 3>> triangulateLoop(const std::vector<Vec3>& loop)
     triangles.push_back({ring[(smallest + n - 1) % n], ring[smallest], ring[(smallest + 1) % n]});
     ring.erase(ring.begin() + static_cast<std::ptrdiff_t>(smallest));
   }
-  for (const auto& t : leastAreaTriangles(ring, loop, Needles::Allowed)) triangles.push_back(t);
+  for (const auto& t : leastAreaTriangles(ring, loop, Flat::Allowed)) triangles.push_back(t);
   return triangles;
 }
 

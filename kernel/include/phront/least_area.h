@@ -10,7 +10,8 @@
 
 namespace phront {
 
-enum class Needles { Allowed, Avoided };  ///< avoided where other triangles would do
+/// Triangles whose corners lie in line: avoided where others would do, even larger ones.
+enum class Flat { Allowed, Avoided };
 
 /// Sides that are there already, as smaller and larger corner: no triangle gets one.
 using TakenSides = std::set<std::pair<Index, Index>>;
@@ -21,7 +22,7 @@ using TakenSides = std::set<std::pair<Index, Index>>;
 /// none (numbers that are not finite, corners that come twice in every triangle, sides all taken).
 /// The polygon's own sides may be among those taken.
 [[nodiscard]] std::vector<std::array<Index, 3>> leastAreaTriangles(
-    const std::vector<Index>& polygon, const std::vector<Vec3>& points, Needles needles,
+    const std::vector<Index>& polygon, const std::vector<Vec3>& points, Flat flat,
     const TakenSides& taken = {});
 
 /// Loops of one hole as a single polygon for leastAreaTriangles(): each is joined to the nearest

@@ -286,7 +286,7 @@ class PatchMaker {
     TakenSides taken = takenSides(polygon);
     for (int round = 0; round < kRounds; ++round) {
       const std::vector<Triangle> band =
-          leastAreaTriangles(polygon, patch_.iso.mesh.points, Needles::Avoided, taken);
+          leastAreaTriangles(polygon, patch_.iso.mesh.points, Flat::Avoided, taken);
       // Where corners come twice, so may a side.
       std::map<std::pair<Index, Index>, int> uses;
       for (const Triangle& t : band)

@@ -8,10 +8,8 @@
 namespace phront {
 namespace {
 
-constexpr double kThin = 1e-3;        // area to the squares of the sides: below, a needle
-constexpr double kFlat = 1e-9;        // the same: below, its corners lie in line
-constexpr double kThinPenalty = 1e3;  // times the polygon's extent squared
-constexpr double kFlatPenalty = 1e3;  // times that of a needle
+constexpr double kFlat = 1e-9;    // area to the squares of the sides: below, corners lie in line
+constexpr double kPenalty = 1e3;  // for that, times the polygon's extent squared
 
 using Triangle = std::array<Index, 3>;
 using Polygon = std::vector<Index>;
@@ -62,19 +60,18 @@ Polygon joinLoops(const std::vector<Polygon>& loops, const std::vector<Vec3>& po
 }
 
 std::vector<Triangle> leastAreaTriangles(const Polygon& polygon, const std::vector<Vec3>& points,
-                                         Needles needles, const TakenSides& taken) {
+                                         Flat flat, const TakenSides& taken) {
   const std::size_t n = polygon.size();
   const auto at = [&](std::size_t i) { return points[static_cast<std::size_t>(polygon[i])]; };
   Box3 box;
   for (std::size_t i = 0; i < n; ++i) box.extend(at(i));
-  const double penalty = kThinPenalty * box.diagonal().squaredNorm();
+  const double penalty = kPenalty * box.diagonal().squaredNorm();
   const auto cost = [&](std::size_t i, std::size_t j, std::size_t k) {
     if (polygon[i] == polygon[j] || polygon[j] == polygon[k] || polygon[i] == polygon[k])
       return std::numeric_limits<double>::infinity();
     const double area = areaNormal(at(i), at(j), at(k)).norm();
-    if (needles == Needles::Allowed) return area;
-    const double full = fullness(at(i), at(j), at(k));
-    return full > kThin ? area : full > kFlat ? penalty : kFlatPenalty * penalty;
+    const bool inLine = flat == Flat::Avoided && !(fullness(at(i), at(j), at(k)) > kFlat);
+    return inLine ? penalty : area;
   };
   std::vector<double> best(n * n, 0);
   std::vector<std::size_t> middle(n * n, 0);
