@@ -525,14 +525,14 @@ TEST(FacetBody, PassesAndIsClosedWhereCoarse) {
   const Result<BodyCheck> check = BodyCheck::make(
       body, body, std::make_shared<const TrueDistance>(distanceOf(shape, 0.002)), 1, 30);
   ASSERT_TRUE(check) << check.error().message;
-  const Result<FacetAttempt> fine = facetBody(body, options, phi, *check, Deadline(60), {});
+  const Result<FacetAttempt> fine = facetBody(body.name, options, phi, *check, Deadline(60), {});
   ASSERT_TRUE(fine) << fine.error().message;
   EXPECT_TRUE(fine->file.check.pass()) << fine->file.check.reasons.front();
   EXPECT_NE(fine->file.fingerprint, 0U);
   EXPECT_EQ(fine->planarFaces, 6);
   EXPECT_GT(fine->facets, 100);
 
-  const FacetAttempt coarse = coarseFacets(body, options, phi, *check, Deadline(60));
+  const FacetAttempt coarse = coarseFacets(body.name, options, phi, *check, Deadline(60));
   EXPECT_FALSE(coarse.file.check.pass());
   EXPECT_TRUE(coarse.file.check.valid);
   EXPECT_TRUE(coarse.file.check.closed);
@@ -541,7 +541,7 @@ TEST(FacetBody, PassesAndIsClosedWhereCoarse) {
 
   const Progress cancel([](double, std::string_view) { return false; });
   const Result<FacetAttempt> cancelled =
-      facetBody(body, options, phi, *check, Deadline(60), cancel);
+      facetBody(body.name, options, phi, *check, Deadline(60), cancel);
   ASSERT_FALSE(cancelled);
   EXPECT_EQ(cancelled.error().code, ErrorCode::Cancelled);
 }

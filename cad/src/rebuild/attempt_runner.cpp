@@ -37,6 +37,8 @@ constexpr double kLeastAttempt = 1;
 constexpr double kReuniteSeconds = 5;
 // For one pair of faces or of an edge and a face, s.
 constexpr double kSilence = 8;
+// For an attempt without slow pairs, also past the deadline, s.
+constexpr double kLeastWithoutSlowPairs = 25;
 // Nor with less than this share of the time that another setting found too short.
 constexpr double kShareOfTimeout = 0.5;
 
@@ -190,12 +192,16 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
   };
   for (std::size_t next = 0; next < settings.size() && !log.accepted;) {
     const double left = deadline.left();
-    if (left < leastWorth || !progress.report(static_cast<double>(next) / settings.size())) break;
+    if ((left < leastWorth && !hung) ||
+        !progress.report(static_cast<double>(next) / settings.size()))
+      break;
     std::vector<AttemptSetting> chosen;
     for (; next < settings.size() && chosen.size() < wave; ++next) {
       if (!serves(settings[next])) continue;
       chosen.push_back(settings[next]);
-      chosen.back().timeLimit = std::min(chosen.back().timeLimit, left);
+      // What comes after a hang is the last chance for pieces to mend.
+      const double least = chosen.back().skipsSlowPairs ? kLeastWithoutSlowPairs : 0;
+      chosen.back().timeLimit = std::min(chosen.back().timeLimit, std::max(left, least));
     }
     std::vector<Trial> trials(chosen.size());
     std::vector<std::atomic<bool>> notNeeded(chosen.size());

@@ -1,6 +1,6 @@
 // No setting is best everywhere: each moves some tangency to the right side and another to the
-// wrong one, so several are tried and each is judged. The quick ones come first; the one that may
-// end in facets comes after those that gain most without, and before those that gain little.
+// wrong one, so several are tried and each is judged. The quick ones and those that gain most come
+// first.
 #include "rebuild/exact_offset.h"
 
 #include <fmt/format.h>

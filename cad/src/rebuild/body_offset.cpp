@@ -44,6 +44,13 @@ constexpr double kSheetAttemptShare = 0.35;
 constexpr double kTessellateShare = 0.3;
 constexpr double kMostTessellateSeconds = 45;
 constexpr double kFrontShare = 0.25;
+// Facets come last, when little time is left: seconds on top of it, and the share of these and what
+// is left that mending may take.
+constexpr double kExtraSeconds = 20;
+constexpr double kMendShare = 0.6;
+// The part's triangles are so much finer for facets than for exact patches: they have nothing
+// truer.
+constexpr double kFineness = 2;
 // Bounds of the seconds for one measurement of the result.
 constexpr double kLeastSeconds = 3;
 constexpr double kCheckSeconds = 40;
@@ -143,18 +150,15 @@ class BodyOffsetter {
         facetsMayFollow = false;  // a rest thinner than the grid: exact patches may still find it
       }
     }
-    std::optional<JudgedAttempt> rejected;
-    if (tryExact(healed, *phi, facetsMayFollow, rejected)) {
+    if (tryExact(healed, *phi, facetsMayFollow)) {
       if (wanted_.join == Join::Mitre && body_.kind == BodyKind::Solid) {
         if (!progress_.part(0.8, 1, "mitre").report(0)) return cancelled();
         makeMitre(*phi);
       }
       return finish();
     }
-    if (facetsMayFollow && mend(*phi)) return finish();
     if (facetsMayFollow) {
-      if (Result<void> found = useFacets(healed, *phi); !found)
-        return tl::unexpected(found.error());
+      if (Result<void> found = useFront(healed, *phi); !found) return tl::unexpected(found.error());
     } else if (body_.kind == BodyKind::Sheet) {
       if (Result<void> found = useTrimmedFaces(healed, *phi); !found)
         return tl::unexpected(found.error());
@@ -165,7 +169,8 @@ class BodyOffsetter {
                           : "no attempt gave a result that passes: " + report().attempts.back());
     }
     // Better a result that fails its check, marked as such, than none.
-    if (result_.bodies.empty() && rejected) useAttempt(std::move(*rejected), OffsetKind::Failed);
+    if (result_.bodies.empty() && attempts_.rejected)
+      useAttempt(std::move(*attempts_.rejected), OffsetKind::Failed);
     return finish();
   }
 
@@ -204,30 +209,43 @@ class BodyOffsetter {
     return true;
   }
 
-  /// True when an attempt is accepted; else `rejected` may hold the first that is at least closed.
-  bool tryExact(const Body& healed, const TrueDistance& phi, bool facetsMayFollow,
-                std::optional<JudgedAttempt>& rejected) {
+  /// True when an attempt is accepted.
+  bool tryExact(const Body& healed, const TrueDistance& phi, bool facetsMayFollow) {
     const bool sheet = body_.kind == BodyKind::Sheet;
     const double share = sheet             ? kSheetAttemptShare
                          : facetsMayFollow ? kAttemptShare
                                            : kOnlyAttemptsShare;
-    log_ = runAttempts(healed, options_, phi, *check_, Deadline(share * deadline_.left()),
-                       progress_.part(0.3, 0.7, "exact patches"));
+    attempts_ = runAttempts(healed, options_, phi, *check_, Deadline(share * deadline_.left()),
+                            progress_.part(0.3, 0.7, "exact patches"));
     clock_.lap("exact patches");
-    report().attempts.insert(report().attempts.end(), log_.lines.begin(), log_.lines.end());
-    if (log_.accepted) useAttempt(std::move(*log_.accepted), OffsetKind::Exact);
-    rejected = std::move(log_.rejected);
-    return log_.accepted.has_value();
+    report().attempts.insert(report().attempts.end(), attempts_.lines.begin(),
+                             attempts_.lines.end());
+    if (attempts_.accepted) useAttempt(std::move(*attempts_.accepted), OffsetKind::Exact);
+    return attempts_.accepted.has_value();
   }
 
-  /// Exact pieces with facets where they fail.
-  bool mend(const TrueDistance& phi) {
+  /// Exact pieces with facets of the front where they fail; else facets alone.
+  Result<void> useFront(const Body& healed, const TrueDistance& phi) {
+    const Deadline deadline(deadline_.left() + kExtraSeconds);
+    const double seconds =
+        deadline.forStep(kTessellateShare, kLeastSeconds, kMostTessellateSeconds);
+    const Result<TrueDistance> finer = distanceOf(healed, options_.distance, seconds, kFineness);
+    clock_.lap("tessellate");
+    const TrueDistance& distance = finer ? *finer : phi;
     std::optional<JudgedAttempt> mended =
-        mendPieces(log_.open, body_.name, options_, phi, *check_, deadline_,
-                   progress_.part(0.7, 0.8, "mending"), report().attempts);
+        mendPieces(attempts_.open, body_.name, options_, distance, *check_,
+                   Deadline(kMendShare * deadline.left()), progress_.part(0.7, 0.8, "mending"),
+                   report().attempts);
     clock_.lap("mending");
-    if (mended) useAttempt(std::move(*mended), OffsetKind::Faceted);
-    return mended.has_value();
+    if (mended && mended->file.check.pass()) {
+      useAttempt(std::move(*mended), OffsetKind::Faceted);
+      return {};
+    }
+    if (Result<void> found = useFacets(distance, deadline); !found) return found;
+    // Of two that fail the one that is exact but in places.
+    if (!report().check.pass() && mended && mended->file.check.valid && mended->file.check.closed)
+      useAttempt(std::move(*mended), OffsetKind::Failed);
+    return {};
   }
 
   void useAttempt(JudgedAttempt attempt, OffsetKind kind) {
@@ -274,9 +292,9 @@ class BodyOffsetter {
     report().exactFaces = report().check.faces - report().fittedFaces - report().facetedFaces;
   }
 
-  Result<void> useFacets(const Body& healed, const TrueDistance& phi) {
+  Result<void> useFacets(const TrueDistance& phi, const Deadline& deadline) {
     Result<FacetAttempt> facets =
-        facetBody(healed, options_, phi, *check_, deadline_, progress_.part(0.8, 1, "facets"));
+        facetBody(body_.name, options_, phi, *check_, deadline, progress_.part(0.8, 1, "facets"));
     clock_.lap("facets");
     if (!facets) return tl::unexpected(facets.error());
     report().setting = "facets of the iso-surface";
@@ -317,7 +335,7 @@ class BodyOffsetter {
   BodyOffset result_;
   StageClock clock_;
   std::optional<BodyCheck> check_;
-  AttemptLog log_;
+  AttemptLog attempts_;
   bool mitreTried_ = false;
 };
 

@@ -15,7 +15,6 @@
 #include "rebuild/facet_solid.h"
 #include "rebuild/front_stage.h"
 #include "rebuild/plane_features.h"
-#include "tessellate/body_distance.h"
 
 namespace phront::cad {
 namespace {
@@ -28,14 +27,10 @@ constexpr double kMemoryMiB = 4000;
 // The level: where fronts just meet at d they leave a gap here, and the grid sees it. It spends
 // less than a tenth of the tolerance.
 constexpr double kReach = 0.9992;
-// The part's triangles are so much finer than for exact patches: facets have nothing truer.
-constexpr double kFineness = 2;
 // The front: nodes, the deviation at creases in |d|, and its share of the time left.
 constexpr std::int64_t kFrontNodes = 2'000'000;
 constexpr double kCreaseTolerance = 0.03;
 constexpr double kFrontShare = 0.45;
-// Seconds on top of the time left: facets come last, when little is.
-constexpr double kExtraSeconds = 20;
 // Seconds for making facets and for one measurement: share of the time left, least and most.
 constexpr double kTimeShare = 0.6;
 constexpr double kLeastSeconds = 10;
@@ -145,25 +140,22 @@ class FacetStage {
 
 }  // namespace
 
-Result<FacetAttempt> facetBody(const Body& healed, const OffsetOptions& options,
+Result<FacetAttempt> facetBody(const std::string& name, const OffsetOptions& options,
                                const TrueDistance& phi, const BodyCheck& check,
                                const Deadline& deadline, const Progress& progress) {
-  const Deadline end(deadline.left() + kExtraSeconds);
-  const double seconds = end.forStep(kTimeShare, kLeastSeconds, kMostSeconds);
-  const Result<TrueDistance> finer = distanceOf(healed, options.distance, seconds, kFineness);
-  Result<FacetAttempt> fine =
-      FacetStage(options, finer ? *finer : phi, check, end, healed.name).fine(progress);
+  Result<FacetAttempt> fine = FacetStage(options, phi, check, deadline, name).fine(progress);
   if (!fine || !fine->bodies.empty()) return fine;
-  FacetAttempt coarse = coarseFacets(healed, options, phi, check, end);
+  FacetAttempt coarse = coarseFacets(name, options, phi, check, deadline);
   if (coarse.bodies.empty()) return fine;
   std::vector<std::string>& reasons = coarse.file.check.reasons;
   reasons.insert(reasons.begin(), fine->file.check.reasons.begin(), fine->file.check.reasons.end());
   return coarse;
 }
 
-FacetAttempt coarseFacets(const Body& healed, const OffsetOptions& options, const TrueDistance& phi,
-                          const BodyCheck& check, const Deadline& deadline) {
-  return FacetStage(options, phi, check, deadline, healed.name).coarse();
+FacetAttempt coarseFacets(const std::string& name, const OffsetOptions& options,
+                          const TrueDistance& phi, const BodyCheck& check,
+                          const Deadline& deadline) {
+  return FacetStage(options, phi, check, deadline, name).coarse();
 }
 
 }  // namespace phront::cad

@@ -20,15 +20,16 @@ struct FacetAttempt {
   FileCheck file;            ///< against the body as read
 };
 
-/// Facets of the front, checked; where there is no solid at all, coarse ones. `healed` is the body
-/// that `phi` measures. Guarded; bounded by the deadline and 20 s. Fails with Cancelled only.
-[[nodiscard]] Result<FacetAttempt> facetBody(const Body& healed, const OffsetOptions& options,
+/// Facets of the front, checked; where there is no solid at all, coarse ones. `phi` is the distance
+/// of the part, finely tessellated: facets have nothing truer; `name` is its name. Guarded; bounded
+/// by the deadline. Fails with Cancelled only.
+[[nodiscard]] Result<FacetAttempt> facetBody(const std::string& name, const OffsetOptions& options,
                                              const TrueDistance& phi, const BodyCheck& check,
                                              const Deadline& deadline, const Progress& progress);
 
 /// Some seconds whatever the part: facets far off the tolerance, which fail their check but are
 /// valid and closed.
-[[nodiscard]] FacetAttempt coarseFacets(const Body& healed, const OffsetOptions& options,
+[[nodiscard]] FacetAttempt coarseFacets(const std::string& name, const OffsetOptions& options,
                                         const TrueDistance& phi, const BodyCheck& check,
                                         const Deadline& deadline);
 

@@ -20,7 +20,6 @@ namespace {
 
 // Facets deviate by this share of the tolerance, as in facet_stage.
 constexpr double kShareOfTolerance = 0.85;
-constexpr double kSewing = 2e-3;  // of |d|
 // The front in the holes is refined by facets later on: what it misses elsewhere does not matter.
 constexpr std::int64_t kFrontNodes = 200'000;
 constexpr double kCreaseTolerance = 0.1;  // of |d|
@@ -51,6 +50,7 @@ std::optional<JudgedAttempt> mendPieces(const std::vector<OpenPieces>& open,
     log.push_back("mended: " + front.error().message);
     return std::nullopt;
   }
+  std::optional<JudgedAttempt> closest;
   const double diagonal = phi.surface().box().diagonal().norm();
   for (std::size_t i = 0; i < open.size() && i < kMostTries; ++i) {
     const auto start = std::chrono::steady_clock::now();
@@ -64,8 +64,7 @@ std::optional<JudgedAttempt> mendPieces(const std::vector<OpenPieces>& open,
     facets.distance = level;
     facets.tolerance = kShareOfTolerance * *options.tolerance;
     facets.planeOfFace = planesOf(phi.tessellation().features);
-    const AssembleOptions assembling{
-        .distance = level, .diagonal = diagonal, .sewTolerance = kSewing * std::abs(level)};
+    const AssembleOptions assembling{.distance = level, .diagonal = diagonal};
     const Result<std::string> bytes = runInChild(
         "mending the pieces", {deadline.forStep(kShare, kLeastSeconds, kMostSeconds), kMemoryMiB},
         [&]() -> Result<std::string> {
@@ -96,10 +95,12 @@ std::optional<JudgedAttempt> mendPieces(const std::vector<OpenPieces>& open,
     say(fmt::format("{}; {} facets",
                     verdict.pass() ? "accepted" : "rejected: " + verdict.reasons.front(),
                     judged.facetedFaces));
-    if (verdict.pass()) return judged;
+    const bool passes = verdict.pass();
+    if (passes || !closest) closest = std::move(judged);
+    if (passes) break;
     if (!progress.report(static_cast<double>(i + 1) / kMostTries)) break;
   }
-  return std::nullopt;
+  return closest;
 }
 
 }  // namespace phront::cad

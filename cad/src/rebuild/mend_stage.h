@@ -15,8 +15,9 @@
 namespace phront::cad {
 
 /// Takes the sets of pieces in order until one, with facets of the front in place of what is wrong
-/// with it or missing, passes the check. Each leaves a line in `log`. Guarded; bounded by the
-/// deadline. `phi` is the distance of the part that `check` measures against, `name` its name.
+/// with it or missing, passes the check: that one, or the first that does not pass. Each leaves a
+/// line in `log`. Guarded; bounded by the deadline. `phi` is the distance of the part that `check`
+/// measures against, `name` its name.
 [[nodiscard]] std::optional<JudgedAttempt> mendPieces(
     const std::vector<OpenPieces>& open, const std::string& name, const OffsetOptions& options,
     const TrueDistance& phi, const BodyCheck& check, const Deadline& deadline,

@@ -55,6 +55,10 @@ class PatchMaker {
     selectFront();
     cleanBorder();
     takeFront();
+    for (const Border& border : borders_) {
+      if (border.near.empty())
+        return fail(ErrorCode::Failed, "A part of the front ends where there is no hole.");
+    }
     for (const auto& group : groups()) {
       const auto corners =
           std::accumulate(group.begin(), group.end(), std::size_t{0},
@@ -272,9 +276,7 @@ class PatchMaker {
         if (holeOf_[other] == holeOf_[l]) parent[root(l)] = root(other);
     std::map<std::size_t, std::vector<Loop>> grouped;
     for (std::size_t l = 0; l < loops_.size(); ++l) grouped[root(l)].push_back(loops_[l]);
-    for (const Border& border : borders_)
-      grouped[border.near.empty() ? loops_.size() : root(border.near.front())].push_back(
-          border.loop);
+    for (const Border& border : borders_) grouped[root(border.near.front())].push_back(border.loop);
     std::vector<std::vector<Loop>> result;
     for (auto& [number, group] : grouped) result.push_back(std::move(group));
     return result;
