@@ -37,8 +37,8 @@ constexpr double kLeastAttempt = 1;
 constexpr double kReuniteSeconds = 5;
 // For one pair of faces or of an edge and a face, s.
 constexpr double kSilence = 8;
-// For an attempt without slow pairs, also past the deadline, s.
-constexpr double kLeastWithoutSlowPairs = 25;
+// Of the whole time limit: for an attempt without slow pairs, also past the attempts' deadline.
+constexpr double kShareWithoutSlowPairs = 0.33;
 // Nor with less than this share of the time that another setting found too short.
 constexpr double kShareOfTimeout = 0.5;
 
@@ -200,7 +200,8 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
       if (!serves(settings[next])) continue;
       chosen.push_back(settings[next]);
       // What comes after a hang is the last chance for pieces to mend.
-      const double least = chosen.back().skipsSlowPairs ? kLeastWithoutSlowPairs : 0;
+      const double least =
+          chosen.back().skipsSlowPairs ? kShareWithoutSlowPairs * options.timeLimit : 0;
       chosen.back().timeLimit = std::min(chosen.back().timeLimit, std::max(left, least));
     }
     std::vector<Trial> trials(chosen.size());

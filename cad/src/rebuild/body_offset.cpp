@@ -38,7 +38,7 @@ constexpr double kRecognitionSeconds = 10;
 constexpr double kRecognitionMemoryMiB = 2000;
 // Shares of the time left: attempts where facets can follow, where nothing can, and where trimmed
 // faces can.
-constexpr double kAttemptShare = 0.45;
+constexpr double kAttemptShare = 0.55;
 constexpr double kOnlyAttemptsShare = 0.9;
 constexpr double kSheetAttemptShare = 0.35;
 constexpr double kTessellateShare = 0.3;

@@ -11,7 +11,7 @@ namespace phront::cad {
 namespace {
 
 // Larger differences are feet gone astray, not chords: of |d|.
-constexpr double kMostBias = 0.15;
+constexpr double kMostBias = 0.02;
 
 std::vector<bool> pointsOfPlanes(const FacetedSurface& facets, const TrueDistance& phi) {
   const std::vector<FaceFeature>& faces = phi.tessellation().features.faces;

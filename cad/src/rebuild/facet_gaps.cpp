@@ -47,6 +47,7 @@ constexpr int kRounds = 5;
 constexpr double kStep = 1e-3;       // of |d|, to see which way phi grows
 constexpr double kSamePlace = 1e-5;  // of |d|
 constexpr Index kMostFacets = 15'000;
+constexpr double kMostOff = 0.06;  // of |d|, facets: below what the check allows single points
 // How near to the pieces the front gives way: of its grid, at most of |d|.
 constexpr double kMarginOfSpacing = 0.5;
 constexpr double kMarginOfDistance = 0.3;
@@ -273,6 +274,28 @@ class GapFaceter {
     return std::move(*around);
   }
 
+  /// By the part's triangles and by its faces: where edges of the part lie off its faces the two
+  /// disagree, and no facet is right by both.
+  [[nodiscard]] bool onLevel(const FacetedSurface& facets) const {
+    const auto off = [&](const Vec3& x) {
+      const TrueDistance::Foot foot = phi_.foot(x);
+      return std::max(std::abs(foot.distance - size()), std::abs(foot.meshDistance - size()));
+    };
+    for (const FacetPolygon& polygon : facets.polygons) {
+      const std::vector<Index>& corners = polygon.loops.front();
+      if (corners.size() != 3) continue;  // of a plane
+      Vec3 middle = Vec3::Zero();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3& a = facets.points[static_cast<std::size_t>(corners[k])];
+        const Vec3& b = facets.points[static_cast<std::size_t>(corners[(k + 1) % 3])];
+        if (off(0.5 * (a + b)) > kMostOff * size()) return false;
+        middle += a / 3;
+      }
+      if (off(middle) > kMostOff * size()) return false;
+    }
+    return true;
+  }
+
   Result<FacetedGaps> facetsIn(const std::vector<TopoDS_Face>& pieces,
                                const std::vector<std::vector<Loop>>& holes,
                                const SurfaceDistance& around, double margin) const {
@@ -298,6 +321,8 @@ class GapFaceter {
         facetHoles(phi_.surface(), front_, options_.distance, openings, with);
     if (!patch) return tl::unexpected<Error>(patch.error());
     removeChordalBias(*patch, fixedPoints, options_.distance, phi_);
+    if (!onLevel(*patch))
+      return fail(ErrorCode::Failed, "facets in a hole are too far off the distance");
     const Result<std::vector<TopoDS_Face>> facets = facesOfFacets(*patch, borders);
     if (!facets) return tl::unexpected<Error>(facets.error());
     FacetedGaps result;

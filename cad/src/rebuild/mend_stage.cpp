@@ -27,6 +27,7 @@ constexpr double kCreaseTolerance = 0.1;  // of |d|
 constexpr double kFrontShare = 0.3;
 constexpr double kShare = 0.5;
 constexpr double kLeastSeconds = 5;
+constexpr double kLeastMendSeconds = 12;
 constexpr double kMostSeconds = 25;
 constexpr double kCheckSeconds = 30;
 constexpr double kMemoryMiB = 3000;
@@ -66,7 +67,8 @@ std::optional<JudgedAttempt> mendPieces(const std::vector<OpenPieces>& open,
     facets.planeOfFace = planesOf(phi.tessellation().features);
     const AssembleOptions assembling{.distance = level, .diagonal = diagonal};
     const Result<std::string> bytes = runInChild(
-        "mending the pieces", {deadline.forStep(kShare, kLeastSeconds, kMostSeconds), kMemoryMiB},
+        "mending the pieces",
+        {deadline.forStep(kShare, kLeastMendSeconds, kMostSeconds), kMemoryMiB},
         [&]() -> Result<std::string> {
           std::vector<TopoDS_Face> pieces;
           for (TopExp_Explorer it(open[i].pieces, TopAbs_FACE); it.More(); it.Next())

@@ -21,9 +21,9 @@ struct OffsetOptions {
   Join join = Join::Arc;            ///< mitre: of exact solids; sheets and facets stay round
   double mitreLimit = kMitreLimit;  ///< > 1
   int threads = 0;                  ///< 0: all cores
-  /// s, > 0: all bodies and their checks together, shared out among attempts, facets and checks.
-  /// Facets of a body may take 20 s more; writing and reading back come on top. What is not done by
-  /// then is given up, with a sentence.
+  /// s, > 0: all bodies and their checks together, shared out among attempts, mending, facets and
+  /// checks. Mending and facets of a body may take 20 s more; writing and reading back come on top.
+  /// What is not done by then is given up, with a sentence.
   double timeLimit = 75;
 };
 
