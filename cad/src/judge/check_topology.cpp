@@ -53,6 +53,7 @@ constexpr double kVolumeSlack = 1 + 1e-6;
 // Triangles of a face that cover so much more or less than the face does have folded over it: of
 // the area of all faces. Chords of curved faces make a thousandth.
 constexpr double kFoldedArea = 0.01;
+constexpr double kAreaAccuracy = 1e-4;
 
 int countOf(const TopoDS_Shape& shape, TopAbs_ShapeEnum type) {
   TopTools_IndexedMapOfShape map;
@@ -106,6 +107,13 @@ double areaOfTriangles(const TopoDS_Face& face) {
   return area;
 }
 
+/// The quick integral is some percent off where the outline has many splines.
+double carefulArea(const TopoDS_Face& face) {
+  GProp_GProps properties;
+  BRepGProp::SurfaceProperties(face, properties, kAreaAccuracy);
+  return std::abs(properties.Mass());
+}
+
 /// The faces of a shape that its triangles do not cover, or fold over.
 class MeshedFaces {
  public:
@@ -127,8 +135,10 @@ class MeshedFaces {
   void addFolded(std::set<int>& numbers) const {
     for (std::size_t i = 0; i < faces_.size(); ++i) {
       const double meshed = areaOfTriangles(faces_[i]);
-      if (meshed > 0 && std::abs(meshed - areas_[i]) > kFoldedArea * total_)
-        numbers.insert(static_cast<int>(i));
+      const auto isOff = [&](double area) {
+        return meshed > 0 && std::abs(meshed - area) > kFoldedArea * total_;
+      };
+      if (isOff(areas_[i]) && isOff(carefulArea(faces_[i]))) numbers.insert(static_cast<int>(i));
     }
   }
 
