@@ -21,7 +21,7 @@ struct Assembly {
   TopoDS_Shape shape;    ///< null when no solid came out
   int openEdges = 0;     ///< edges not used exactly twice in their shell
   int fittedFaces = 0;   ///< patches that close gaps
-  int facetedFaces = 0;  ///< planar triangles that do
+  int facetedFaces = 0;  ///< facets in holes, but for offsets of planes
   std::string way;  ///< "sharp pieces", "pieces", "sewn pieces", "patched pieces", "cells", ...
 };
 

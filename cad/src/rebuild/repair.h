@@ -19,9 +19,9 @@ struct RepairRequest {
 /// read back from a file.
 [[nodiscard]] bool isSound(const Assembly& assembly, double size);
 
-/// Cuts the pieces where phi shows that they leave the offset; what is open after that goes to
-/// facets. In a child of its own, as OpenCASCADE may take long over such cuts. A sound assembly, or
-/// fails with Failed (none came out), ResourceLimit.
+/// Cuts the pieces where phi shows that they leave the offset. In a child of its own, as
+/// OpenCASCADE may take long over such cuts. A sound assembly, or fails with Failed (none came
+/// out), ResourceLimit.
 [[nodiscard]] Result<Assembly> repairPieces(const std::vector<JudgedFace>& pieces,
                                             const RepairRequest& request, const TrueDistance& phi,
                                             const GuardLimits& limits);
