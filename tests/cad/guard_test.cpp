@@ -26,6 +26,7 @@
 #include <thread>
 #include <vector>
 
+#include "exchange/hang_fence.h"
 #include "exchange/shape_bytes.h"
 
 namespace phront::cad {
@@ -303,35 +304,64 @@ TEST(ShapeBytes, RefusesDamage) {
   EXPECT_TRUE(!result || *result == "error");
 }
 
-TEST(Guard, AChildWithoutSignsOfLifeIsKilled) {
-  const Pulse pulse;
-  GuardLimits limits{60, 1000, &pulse, 0.3};
-  const auto start = std::chrono::steady_clock::now();
-  const auto hung = runInChild("hanging", limits, []() -> Result<std::string> {
-    Pulse::beat();
-    for (;;) ::pause();
+/// Steps 0 to 5 that append their number; in `bad` something else happens.
+std::string stepsWith(std::int64_t bad, const std::function<void()>& happens) {
+  const auto result = runInChild("steps", {60, 1000}, [&]() -> Result<std::string> {
+    std::string done;
+    HangFence fence(0.3);
+    for (std::int64_t step = 0; step < 6; ++step) {
+      if (!fence.enter()) continue;
+      if (step == bad) happens();
+      done += static_cast<char>('0' + step);
+    }
+    return done;
   });
-  ASSERT_FALSE(hung);
-  EXPECT_EQ(hung.error().code, ErrorCode::ResourceLimit);
-  EXPECT_NE(hung.error().message.find("no progress"), std::string::npos);
-  EXPECT_GT(pulse.silence(), 0.3);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(30));
+  return result ? *result : result.error().message;
 }
 
-TEST(Guard, SignsOfLifeAndRestKeepAChildAlive) {
-  for (const bool rests : {false, true}) {
-    const Pulse pulse;
-    const auto done = runInChild("working", {60, 1000, &pulse, 0.5}, [&]() -> Result<std::string> {
-      Pulse::beat();
-      if (rests) Pulse::rest();
-      for (int i = 0; i < 15; ++i) {
-        ::usleep(100'000);
-        if (!rests) Pulse::beat();
-      }
-      return std::string("done");
-    });
-    EXPECT_TRUE(done) << done.error().message;
-  }
+TEST(HangFence, LeavesOutAStepThatHangsOrCrashes) {
+  EXPECT_EQ(stepsWith(-1, {}), "012345");
+  EXPECT_EQ(stepsWith(4,
+                      [] {
+                        for (volatile bool ever = true; ever;) {
+                        }
+                      }),
+            "01235");
+  EXPECT_EQ(stepsWith(0, [] { std::raise(SIGSEGV); }), "12345");
+}
+
+TEST(HangFence, GoesOnAfterManySuchSteps) {
+  const auto result = runInChild("steps", {60, 1000}, []() -> Result<std::string> {
+    int done = 0;
+    HangFence fence(0.2);
+    for (int step = 0; step < 12; ++step) {
+      if (!fence.enter()) continue;
+      if (step % 3 == 1) std::abort();
+      ++done;
+    }
+    return std::to_string(done);
+  });
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(*result, "8");
+}
+
+TEST(HangFence, WhatComesAfterTheLastStepIsNotFenced) {
+  const auto result = runInChild("steps", {60, 1000}, []() -> Result<std::string> {
+    {
+      HangFence fence(0.2);
+      if (!fence.enter()) return std::string("left out");
+    }
+    std::raise(SIGSEGV);
+    return std::string("survived");
+  });
+  ASSERT_FALSE(result);
+  EXPECT_NE(result.error().message.find("segmentation fault"), std::string::npos)
+      << result.error().message;
+}
+
+TEST(HangFence, OutsideOfAChildEveryStepIsEntered) {
+  HangFence fence(1e-9);
+  for (int step = 0; step < 3; ++step) EXPECT_TRUE(fence.enter());
 }
 
 }  // namespace

@@ -16,7 +16,6 @@
 #include "rebuild/exact_offset.h"
 #include "rebuild/file_faults.h"
 #include "rebuild/mend_stage.h"
-#include "rebuild/slow_pairs.h"
 #include "solids.h"
 #include "tessellate/body_distance.h"
 
@@ -108,15 +107,6 @@ TEST(FaultsInFile, NamesTheFaceWhoseEdgesDoNotMeet) {
   const std::vector<Vec3> faults = faultsInFile(faces, 0.05, size);
   ASSERT_EQ(faults.size(), 1U);
   EXPECT_NEAR(faults.front()[0], 10.5, 0.75);
-}
-
-TEST(SlowPairs, AreNotAmongThoseThatMeetQuickly) {
-  std::vector<TopoDS_Face> faces;
-  for (const TopoDS_Shape& shape :
-       {test::torus(5, 1), test::cylinder(4.5, 3), test::sphere(4.2), test::loft()})
-    for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next())
-      faces.push_back(TopoDS::Face(it.Current()));
-  EXPECT_TRUE(slowPairs(faces, [](std::size_t, std::size_t) { return true; }).empty());
 }
 
 }  // namespace

@@ -58,12 +58,7 @@ constexpr rlim_t kCpuSlack = 5;
 
 enum class Outcome : std::uint32_t { Bytes, Error, OutOfMemory };
 
-std::atomic<std::int64_t>* lastBeat = nullptr;  // in a child: of its pulse
-
-std::int64_t nanoseconds() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now().time_since_epoch())
-      .count();
-}
+bool guarded = false;  // in a child
 
 struct FrameHeader {
   std::uint32_t magic = 0x70687267;
@@ -192,14 +187,6 @@ void resetSignals() {
   ::fedisableexcept(FE_ALL_EXCEPT);
 }
 
-}  // namespace
-
-struct PulseAccess {
-  static std::atomic<std::int64_t>* lastOf(const Pulse& pulse) { return pulse.last_; }
-};
-
-namespace {
-
 [[noreturn]] void childMain(const std::string& what, const GuardLimits& limits,
                             const std::function<Result<std::string>()>& work, int pipe,
                             pid_t parent) {
@@ -213,7 +200,7 @@ namespace {
   ::dup2(pipe, kPipe);
   ::close_range(kPipe + 1, ~0U, 0);
   limitResources(limits);
-  if (limits.pulse != nullptr) lastBeat = PulseAccess::lastOf(*limits.pulse);
+  guarded = true;
   runOnLargeStack(ChildJob{&what, &work, kPipe});
 }
 
@@ -228,7 +215,6 @@ struct Collected {
   int status = 0;  // of waitpid
   bool haveStatus = false;
   bool timedOut = false;
-  bool silent = false;  // the reason for it
   bool cancelled = false;
 };
 
@@ -263,8 +249,7 @@ Collected collect(pid_t child, int fd, const GuardLimits& limits) {
   for (;;) {
     const double left = std::chrono::duration<double>(deadline - Clock::now()).count();
     collected.cancelled = isCancelled();
-    collected.silent = limits.pulse != nullptr && limits.pulse->silence() > limits.silence;
-    collected.timedOut = left <= 0 || collected.silent;
+    collected.timedOut = left <= 0;
     if (collected.cancelled || collected.timedOut) break;
     pollfd entry{fd, POLLIN, 0};
     ::poll(&entry, 1, std::min(kPollMs, static_cast<int>(std::ceil(left * 1000))));
@@ -299,12 +284,6 @@ std::string signalSentence(int signal) {
 
 Error cancelError(const std::string& what) {
   return {ErrorCode::Cancelled, what + " was cancelled", {}};
-}
-
-Error silenceError(const std::string& what, const GuardLimits& limits) {
-  return {ErrorCode::ResourceLimit,
-          fmt::format("{} hung: no progress within {:g} s", what, limits.silence),
-          {}};
 }
 
 Error timeError(const std::string& what, const GuardLimits& limits) {
@@ -349,7 +328,6 @@ Result<std::string> decode(const std::string& what, const GuardLimits& limits,
       bytes.size() == sizeof header + header.messageSize + header.whereSize + header.payloadSize;
   if (!complete) {
     if (collected.cancelled) return tl::unexpected<Error>(cancelError(what));
-    if (collected.silent) return tl::unexpected<Error>(silenceError(what, limits));
     if (collected.timedOut) return tl::unexpected<Error>(timeError(what, limits));
     return tl::unexpected<Error>(deathError(what, limits, collected));
   }
@@ -396,28 +374,7 @@ Result<std::string> runInChild(const std::string& what, const GuardLimits& limit
   return decode(what, limits, collected);
 }
 
-Pulse::Pulse() {
-  void* memory = ::mmap(nullptr, sizeof(std::atomic<std::int64_t>), PROT_READ | PROT_WRITE,
-                        MAP_SHARED | MAP_ANONYMOUS, -1, 0);
-  last_ = memory == MAP_FAILED ? nullptr : new (memory) std::atomic<std::int64_t>(0);
-}
-
-Pulse::~Pulse() {
-  if (last_ != nullptr) ::munmap(last_, sizeof(std::atomic<std::int64_t>));
-}
-
-double Pulse::silence() const {
-  const std::int64_t last = last_ == nullptr ? 0 : last_->load(std::memory_order_relaxed);
-  return last == 0 ? 0 : 1e-9 * static_cast<double>(nanoseconds() - last);
-}
-
-void Pulse::beat() {
-  if (lastBeat != nullptr) lastBeat->store(nanoseconds(), std::memory_order_relaxed);
-}
-
-void Pulse::rest() {
-  if (lastBeat != nullptr) lastBeat->store(0, std::memory_order_relaxed);
-}
+bool isGuardedChild() { return guarded; }
 
 CancelScope::CancelScope(const std::atomic<bool>& cancelled) { cancelFlag = &cancelled; }
 

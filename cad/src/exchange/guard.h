@@ -3,7 +3,6 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 #include <functional>
 #include <string>
 
@@ -11,32 +10,9 @@
 
 namespace phront::cad {
 
-/// Signs of life of a child: shared memory that it writes and its parent reads. Between beat() and
-/// rest() the next beat is due.
-class Pulse {
- public:
-  Pulse();
-  Pulse(const Pulse&) = delete;
-  Pulse& operator=(const Pulse&) = delete;
-  ~Pulse();
-
-  /// Seconds since the last beat; 0 at rest, and where there is no memory to share.
-  [[nodiscard]] double silence() const;
-
-  /// Of the child whose limits name the pulse, and of its children; nothing elsewhere.
-  static void beat();
-  static void rest();
-
- private:
-  friend struct PulseAccess;
-  std::atomic<std::int64_t>* last_;  ///< nanoseconds of the steady clock; 0: at rest
-};
-
 struct GuardLimits {
-  double seconds = 30;           ///< wall clock; the child is killed after
-  double memoryMiB = 4096;       ///< address space on top of what the parent has mapped
-  const Pulse* pulse = nullptr;  ///< of the child, which is killed after so long a silence, too
-  double silence = 8;            ///< s
+  double seconds = 30;      ///< wall clock; the child is killed after
+  double memoryMiB = 4096;  ///< address space on top of what the parent has mapped
 };
 
 /// Runs `work` in a forked child and returns the bytes it returns. An exception, a signal, an exit,
@@ -46,6 +22,9 @@ struct GuardLimits {
 /// If the parent dies, the child dies. Several threads may guard at once.
 [[nodiscard]] Result<std::string> runInChild(const std::string& what, const GuardLimits& limits,
                                              const std::function<Result<std::string>()>& work);
+
+/// Whether this process is such a child, or one's.
+[[nodiscard]] bool isGuardedChild();
 
 /// While it lives, children that this thread waits for are killed as soon as `cancelled` is set,
 /// and none is started any more: runInChild then fails with Cancelled. Not to be nested.

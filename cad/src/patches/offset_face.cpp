@@ -6,6 +6,8 @@
 // itself; the selection cannot see that.
 #include "patches/offset_face.h"
 
+#include <fmt/format.h>
+
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepLib.hxx>
 #include <BRepOffset_Offset.hxx>
@@ -27,9 +29,13 @@
 #include "patches/axis_trim.h"
 #include "patches/open_pole.h"
 #include "patches/patch_tools.h"
+#include "patches/spline_surface.h"
 
 namespace phront::cad {
 namespace {
+
+// How far the spline may be from the offset surface that it stands for, of |d|.
+constexpr double kSplineShare = 1e-4;
 
 /// New radius of a cylinder, a sphere or of a torus's tube; empty for other surfaces.
 std::optional<double> offsetRadius(const TopoDS_Face& face, double distance) {
@@ -97,6 +103,7 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
   int lost = 0;
   int dead = 0;
   int cut = 0;
+  int splines = 0;
   for (std::size_t f = 0; f < table.faces.size(); ++f) {
     const TopoDS_Face& face = table.faces[f];
     FaceImage& image = images[f];
@@ -138,6 +145,7 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
         if (!image.dead) ++lost;
         continue;
       }
+      splines += useSpline(image.face, kSplineShare * std::abs(distance)) ? 1 : 0;
       for (const OpenPole& pole : vertices.poles())
         if (pole.face == static_cast<int>(f))
           image.face = openPole(table, pole, vertices, image.face);
@@ -152,6 +160,10 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
     shareSmooth(table, image, shared);
   }
   if (cut > 0) notes.push_back(std::to_string(cut) + " faces end at their axis");
+  if (splines > 0) {
+    notes.push_back(fmt::format("{} offset surfaces are splines within {:.2g} mm", splines,
+                                kSplineShare * std::abs(distance)));
+  }
   if (dead > 0) notes.push_back(std::to_string(dead) + " faces with radius below |d| vanish");
   if (lost > 0) notes.push_back(std::to_string(lost) + " faces have no offset surface");
   return images;

@@ -35,10 +35,6 @@ constexpr double kLeastCheckSeconds = 10;  // also past the deadline: an attempt
 // No attempt is started with less time than this left, s.
 constexpr double kLeastAttempt = 1;
 constexpr double kReuniteSeconds = 5;
-// For one pair of faces or of an edge and a face, s.
-constexpr double kSilence = 8;
-// Of the whole time limit: for an attempt without slow pairs, also past the attempts' deadline.
-constexpr double kShareWithoutSlowPairs = 0.33;
 // Nor with less than this share of the time that another setting found too short.
 constexpr double kShareOfTimeout = 0.5;
 
@@ -48,7 +44,6 @@ struct Trial {
   TopoDS_Shape pieces;
   bool accepted = false;
   bool timedOut = false;
-  bool hung = false;
 };
 
 // Bytes across the process border: 8 bytes of header length, JSON header, a compound of the shape
@@ -103,9 +98,8 @@ Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDista
     trial.line = fmt::format("{}: {} ({:.1f} s)", setting.name, outcome, secondsSince(start));
   };
   const bool solid = healed.kind == BodyKind::Solid;
-  const Pulse pulse;
   const Result<std::string> bytes = runInChild(
-      "offset by exact patches", {setting.timeLimit, kAttemptMemoryMiB, &pulse, kSilence},
+      "offset by exact patches", {setting.timeLimit, kAttemptMemoryMiB},
       [&]() -> Result<std::string> {
         Result<AttemptResult> attempt = tryExactOffset(
             occtShape(healed.shape), solid, setting.reach * options.distance, phi, setting);
@@ -113,8 +107,7 @@ Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDista
         return packAttempt(*attempt);
       });
   if (!bytes) {
-    trial.hung = pulse.silence() > kSilence;
-    trial.timedOut = !trial.hung && bytes.error().code == ErrorCode::ResourceLimit;
+    trial.timedOut = bytes.error().code == ErrorCode::ResourceLimit;
     say(bytes.error().message);
     return trial;
   }
@@ -179,30 +172,24 @@ std::vector<Body> bodiesOf(const TopoDS_Shape& shape, BodyKind kind, const std::
 
 AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const TrueDistance& phi,
                        const BodyCheck& check, const Deadline& deadline, const Progress& progress) {
-  std::vector<AttemptSetting> settings = attemptSettings();
+  const std::vector<AttemptSetting> settings = attemptSettings();
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const unsigned threads = options.threads > 0 ? static_cast<unsigned>(options.threads) : cores;
   const std::size_t wave = threads >= 2 ? 2 : 1;
   const bool sheet = healed.kind == BodyKind::Sheet;
   AttemptLog log;
   double leastWorth = kLeastAttempt;
-  bool hung = false;
   const auto serves = [&](const AttemptSetting& setting) {
     return !sheet || (setting.reach == 1 && setting.repairSeconds == 0 && !setting.dividesBends);
   };
   for (std::size_t next = 0; next < settings.size() && !log.accepted;) {
     const double left = deadline.left();
-    if ((left < leastWorth && !hung) ||
-        !progress.report(static_cast<double>(next) / settings.size()))
-      break;
+    if (left < leastWorth || !progress.report(static_cast<double>(next) / settings.size())) break;
     std::vector<AttemptSetting> chosen;
     for (; next < settings.size() && chosen.size() < wave; ++next) {
       if (!serves(settings[next])) continue;
       chosen.push_back(settings[next]);
-      // What comes after a hang is the last chance for pieces to mend.
-      const double least =
-          chosen.back().skipsSlowPairs ? kShareWithoutSlowPairs * options.timeLimit : 0;
-      chosen.back().timeLimit = std::min(chosen.back().timeLimit, std::max(left, least));
+      chosen.back().timeLimit = std::min(chosen.back().timeLimit, left);
     }
     std::vector<Trial> trials(chosen.size());
     std::vector<std::atomic<bool>> notNeeded(chosen.size());
@@ -221,12 +208,6 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
       if (log.accepted) break;  // done, or stopped on the way
       if (trial.timedOut) leastWorth = std::max(leastWorth, kShareOfTimeout * chosen[i].timeLimit);
       log.lines.push_back(trial.line);
-      if (trial.hung && !hung && log.open.empty()) {
-        // Other settings cut the same patches.
-        hung = true;
-        settings.resize(next);
-        settings.push_back(withoutSlowPairs());
-      }
       if (!trial.accepted && !trial.pieces.IsNull())
         log.open.push_back({chosen[i].name, chosen[i].reach, trial.pieces});
       if (!trial.judged) continue;

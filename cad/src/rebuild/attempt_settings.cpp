@@ -13,7 +13,7 @@ std::vector<AttemptSetting> attemptSettings() {
                              .dropDeadPatches = true,
                              .thinPairs = true,
                              .looksAgain = true,
-                             .timeLimit = 35};
+                             .timeLimit = 45};
   const auto at = [&](double reach) {
     AttemptSetting setting = plain;
     setting.name = fmt::format("at {:g} d", reach);
@@ -49,14 +49,6 @@ std::vector<AttemptSetting> attemptSettings() {
   allPairs.looksAgain = false;
   allPairs.timeLimit = 25;
   return {plain, at(0.9992), fine, atBends, cutByPhi, at(0.9989), unified, allPairs};
-}
-
-AttemptSetting withoutSlowPairs() {
-  AttemptSetting setting = attemptSettings().front();
-  setting.name = "without slow pairs";
-  setting.looksAgain = false;
-  setting.skipsSlowPairs = true;
-  return setting;
 }
 
 }  // namespace phront::cad

@@ -10,7 +10,6 @@
 #include <chrono>
 #include <cmath>
 #include <optional>
-#include <set>
 #include <utility>
 
 #include "deadline.h"
@@ -22,7 +21,6 @@
 #include "rebuild/fuse.h"
 #include "rebuild/living_cells.h"
 #include "rebuild/select.h"
-#include "rebuild/slow_pairs.h"
 
 namespace phront::cad {
 namespace {
@@ -34,6 +32,8 @@ constexpr double kApproximation = 1e-6;
 /// s, and times what was spent before it.
 constexpr double kLeastSecondLook = 5;
 constexpr double kSecondLook = 1.5;
+/// s of the attempt's time, kept for handing over what there is.
+constexpr double kToReturn = 2;
 
 using Clock = std::chrono::steady_clock;
 
@@ -88,20 +88,17 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     cells.emplace(raw.faces, distance, levelTolerance, phi);
     mayCross = [&](std::size_t i, std::size_t j) { return cells->mayCross(i, j); };
   }
-  if (setting.skipsSlowPairs && mayCross) {
-    const std::set<std::pair<std::size_t, std::size_t>> slow = slowPairs(raw.faces, mayCross);
-    mayCross = [&cells, slow](std::size_t i, std::size_t j) {
-      return !slow.contains(std::minmax(i, j)) && cells->mayCross(i, j);
-    };
-    result.notes.push_back(fmt::format("{} pairs of patches take too long", slow.size()));
-  }
   const Cutting cutting{solid, distance, diagonal, levelTolerance, setting, phi};
   Result<Cut> cut = cutting.cut(raw.faces, mayCross, setting.fuzzy * diagonal);
   if (!cut) return tl::unexpected<Error>(cut.error());
   if (solid && setting.looksAgain && !cut->isClosed() && cells) {
-    const double seconds = std::max(kLeastSecondLook, kSecondLook * secondsSince(start));
-    if (std::optional<Cut> again = cutting.again(raw.faces, *cells, *cut, seconds))
-      cut = std::move(*again);
+    const double spent = secondsSince(start);
+    const double seconds = std::min(std::max(kLeastSecondLook, kSecondLook * spent),
+                                    setting.timeLimit - spent - kToReturn);
+    if (seconds > 0) {
+      if (std::optional<Cut> again = cutting.again(raw.faces, *cells, *cut, seconds))
+        cut = std::move(*again);
+    }
   }
   result.splitFaces = cut->pieces;
   result.keptFaces = cut->kept;

@@ -21,8 +21,6 @@ struct AttemptSetting {
   bool thinPairs = false;        ///< patches that cannot cross on the offset are not intersected
   /// Edges whose pipes fold are divided where they bend most; without such edges the attempt fails.
   bool dividesBends = false;
-  /// Pairs of patches that OpenCASCADE gets stuck in are found first and left uncut.
-  bool skipsSlowPairs = false;
   /// Patches whose pieces stay open are intersected with their neighbours, too, in a second cut.
   bool looksAgain = false;
   /// s, > 0: the pieces are cut where phi shows that they leave the offset, even if they close, for
@@ -37,9 +35,6 @@ struct AttemptSetting {
 
 /// The settings in the order they are tried.
 [[nodiscard]] std::vector<AttemptSetting> attemptSettings();
-
-/// The setting for when one of these hung.
-[[nodiscard]] AttemptSetting withoutSlowPairs();
 
 struct AttemptResult {
   TopoDS_Shape shape;   ///< solids (or a sheet); null when nothing is left, or nothing closes

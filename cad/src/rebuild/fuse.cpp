@@ -32,7 +32,7 @@
 #include <map>
 #include <utility>
 
-#include "exchange/guard.h"
+#include "exchange/hang_fence.h"
 #include "rebuild/contact_cells.h"
 #include "rebuild/inner_edges.h"
 #include "rebuild/section_curves.h"
@@ -42,6 +42,8 @@ namespace {
 
 // Of the size of all: intersection curves are good to a tenth of it.
 constexpr double kDoubtful = 1e-6;
+// s of processor time: a pair takes milliseconds, seldom a second, or it never ends.
+constexpr double kPairSeconds = 4;
 
 /// Answers for edges by the faces that use them.
 class PairFilter {
@@ -141,9 +143,23 @@ class ThinnedIterator : public BOPDS_Iterator {
   ContactCells cells_;
 };
 
+/// Asked once for every pair that is intersected; a pair that is told to break is as good as one
+/// that failed.
+class PairFence : public Message_ProgressIndicator {
+ public:
+  void rest() { fence_.rest(); }
+  Standard_Boolean UserBreak() override { return fence_.enter() ? Standard_False : Standard_True; }
+
+ protected:
+  void Show(const Message_ProgressScope&, const Standard_Boolean) override {}
+
+ private:
+  HangFence fence_{kPairSeconds};
+};
+
 class ThinnedFiller : public BOPAlgo_PaveFiller {
  public:
-  explicit ThinnedFiller(PairFilter& filter) : filter_(filter) {}
+  ThinnedFiller(PairFilter& filter, PairFence& fence) : filter_(filter), fence_(fence) {}
 
  protected:
   void Init(const Message_ProgressRange& range) override {
@@ -166,6 +182,7 @@ class ThinnedFiller : public BOPAlgo_PaveFiller {
     myDS->UpdateFaceInfoOn(faces);
     myDS->UpdateFaceInfoIn(faces);
     BOPAlgo_PaveFiller::PerformFF(range);
+    fence_.rest();
     Bnd_Box all;
     for (int i = 0; i < myDS->NbSourceShapes(); ++i) all.Add(myDS->ShapeInfo(i).Box());
     if (!all.IsVoid() && !all.IsOpen())
@@ -174,20 +191,7 @@ class ThinnedFiller : public BOPAlgo_PaveFiller {
 
  private:
   PairFilter& filter_;
-};
-
-/// Asked once for every pair that is intersected.
-class PairPulse : public Message_ProgressIndicator {
- public:
-  PairPulse() { Pulse::beat(); }
-  ~PairPulse() override { Pulse::rest(); }
-  Standard_Boolean UserBreak() override {
-    Pulse::beat();
-    return Standard_False;
-  }
-
- protected:
-  void Show(const Message_ProgressScope&, const Standard_Boolean) override {}
+  PairFence& fence_;
 };
 
 /// Merging edges now and then loses the parameter curve of one on a face, and one such edge makes
@@ -226,15 +230,14 @@ Result<std::vector<TopoDS_Face>> splitFaces(const std::vector<TopoDS_Face>& face
 
   const MayCross always = [](std::size_t, std::size_t) { return true; };
   PairFilter filter(faces, cutters, mayCross ? mayCross : always);
-  ThinnedFiller filler(filter);
+  const Handle(PairFence) fence = new PairFence;
+  ThinnedFiller filler(filter, *fence);
   filler.SetArguments(arguments);
   filler.SetNonDestructive(Standard_True);
   filler.SetRunParallel(Standard_False);
   if (fuzzy > 0) filler.SetFuzzyValue(fuzzy);
-  {
-    const Handle(PairPulse) pulse = new PairPulse;
-    filler.Perform(pulse->Start());
-  }
+  filler.Perform(fence->Start());
+  fence->rest();
   if (filler.HasErrors()) return fail(ErrorCode::Failed, "the patches could not be intersected");
 
   completeParameterCurves(*filler.PDS());

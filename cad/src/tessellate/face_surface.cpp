@@ -119,6 +119,11 @@ Eigen::Vector2d descent(const Eigen::Matrix2d& hessian, const Eigen::Matrix2d& m
 FaceSurface::FaceSurface(const TopoDS_Face& face) : adaptor_(face, Standard_False) {
   type_ = typeOf(adaptor_.GetType());
   mirrored_ = adaptor_.Trsf().IsNegative();
+  if (adaptor_.GetType() == GeomAbs_OffsetSurface) {
+    basis_ = adaptor_.BasisSurface();
+    height_ = adaptor_.OffsetValue() * adaptor_.Trsf().ScaleFactor() * (mirrored_ ? -1 : 1);
+    if (height_ == 0) basis_.Nullify();
+  }
   flipped_ = (face.Orientation() == TopAbs_REVERSED) != mirrored_;
   uPeriodic_ = adaptor_.IsUPeriodic();
   vPeriodic_ = adaptor_.IsVPeriodic();
@@ -196,30 +201,73 @@ SurfaceFoot FaceSurface::foot(const Vec3& x, double tolerance, Eigen::Vector2d s
   return foot;
 }
 
+/// The surface at (u,v) as seen from x.
+struct FaceSurface::Bending {
+  Vec3 residual;           ///< from x to the surface
+  Vec3 su, sv;             ///< first derivatives
+  Eigen::Matrix2d second;  ///< residual . second derivatives
+};
+
+// OpenCASCADE takes an offset surface's derivatives from higher ones of its basis, one by one and
+// uncached. What Newton's step needs is cheaper: S = B + h n, and n.S_uu = -n_u.S_u because
+// n.S_u = 0. The tangential part of the residual is left out; it is nought at the foot.
+std::optional<FaceSurface::Bending> FaceSurface::bendingOfOffset(const Eigen::Vector2d& uv,
+                                                                 const Vec3& x) const {
+  gp_Pnt p;
+  gp_Vec bu, bv, buu, bvv, buv;
+  basis_->D2(uv.x(), uv.y(), p, bu, bv, buu, bvv, buv);
+  const gp_Vec cross = bu ^ bv;
+  const double area = cross.Magnitude();
+  if (!(area > kSingularSine * bu.Magnitude() * bv.Magnitude())) return std::nullopt;
+  const gp_Vec n = cross / area;
+  const auto alongNormal = [&](const gp_Vec& derivative) {
+    return toVec3(((derivative - n * n.Dot(derivative)) * (height_ / area)).XYZ());
+  };
+  const Vec3 hnu = alongNormal((buu ^ bv) + (bu ^ buv));
+  const Vec3 hnv = alongNormal((buv ^ bv) + (bu ^ bvv));
+  Bending at;
+  at.residual = toVec3((p.XYZ() + n.XYZ() * height_)) - x;
+  at.su = toVec3(bu.XYZ()) + hnu;
+  at.sv = toVec3(bv.XYZ()) + hnv;
+  const double scale = -at.residual.dot(toVec3(n.XYZ())) / height_;
+  const double mixed = scale * hnu.dot(at.sv);
+  at.second << scale * hnu.dot(at.su), mixed, mixed, scale * hnv.dot(at.sv);
+  return at;
+}
+
+FaceSurface::Bending FaceSurface::bendingAt(const Eigen::Vector2d& uv, const Vec3& x) const {
+  if (!basis_.IsNull()) {
+    if (const std::optional<Bending> at = bendingOfOffset(uv, x)) return *at;
+  }
+  gp_Pnt p;
+  gp_Vec du, dv, duu, dvv, duv;
+  adaptor_.D2(uv.x(), uv.y(), p, du, dv, duu, dvv, duv);
+  Bending at;
+  at.residual = toVec3(p.XYZ()) - x;
+  at.su = toVec3(du.XYZ());
+  at.sv = toVec3(dv.XYZ());
+  const double mixed = at.residual.dot(toVec3(duv.XYZ()));
+  at.second << at.residual.dot(toVec3(duu.XYZ())), mixed, mixed, at.residual.dot(toVec3(dvv.XYZ()));
+  return at;
+}
+
 SurfaceFoot FaceSurface::newtonFoot(const Vec3& x, double tolerance,
                                     const Eigen::Vector2d& start) const {
   SurfaceFoot foot;
   Eigen::Vector2d& uv = foot.uv;
   uv = clamped(start);
-  gp_Pnt p;
-  gp_Vec d1u, d1v, d2u, d2v, duv;
   double best = std::numeric_limits<double>::infinity();
   for (int step = 0; step < kNewtonSteps; ++step) {
-    adaptor_.D2(uv.x(), uv.y(), p, d1u, d1v, d2u, d2v, duv);
-    foot.point = toVec3(p.XYZ());
-    const Vec3 r = foot.point - x;
+    const Bending at = bendingAt(uv, x);
+    const Vec3& r = at.residual;
+    const Vec3& su = at.su;
+    const Vec3& sv = at.sv;
+    foot.point = x + r;
     best = r.squaredNorm();
-    const Vec3 su = toVec3(d1u.XYZ());
-    const Vec3 sv = toVec3(d1v.XYZ());
     Eigen::Vector2d g(r.dot(su), r.dot(sv));
     Eigen::Matrix2d first;
     first << su.dot(su), su.dot(sv), su.dot(sv), sv.dot(sv);
-    Eigen::Matrix2d h = first;
-    h(0, 0) += r.dot(toVec3(d2u.XYZ()));
-    h(1, 1) += r.dot(toVec3(d2v.XYZ()));
-    const double mixed = r.dot(toVec3(duv.XYZ()));
-    h(0, 1) += mixed;
-    h(1, 0) += mixed;
+    Eigen::Matrix2d h = first + at.second;
     // Directions blocked by a bound of the surface take no part.
     foot.atBound = false;
     for (int k = 0; k < 2; ++k) {

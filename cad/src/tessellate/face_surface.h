@@ -45,8 +45,14 @@ class FaceSurface {
   [[nodiscard]] SurfaceFoot newtonFoot(const Vec3& x, double tolerance,
                                        const Eigen::Vector2d& start) const;
   [[nodiscard]] Eigen::Vector2d clamped(Eigen::Vector2d uv) const;
+  struct Bending;
+  [[nodiscard]] Bending bendingAt(const Eigen::Vector2d& uv, const Vec3& x) const;
+  [[nodiscard]] std::optional<Bending> bendingOfOffset(const Eigen::Vector2d& uv,
+                                                       const Vec3& x) const;
 
   BRepAdaptor_Surface adaptor_;
+  Handle(Adaptor3d_Surface) basis_;  ///< of an offset surface; null for others
+  double height_ = 0;                ///< over its basis, along that's normal
   SurfaceType type_ = SurfaceType::Other;
   bool flipped_ = false;
   bool mirrored_ = false;
