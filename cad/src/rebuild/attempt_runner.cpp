@@ -35,15 +35,15 @@ constexpr double kLeastCheckSeconds = 10;  // also past the deadline: an attempt
 // No attempt is started with less time than this left, s.
 constexpr double kLeastAttempt = 1;
 constexpr double kReuniteSeconds = 5;
-// Nor with less than this share of the time that another setting found too short.
-constexpr double kShareOfTimeout = 0.5;
+// Nor with less than this share of the time that another setting took.
+constexpr double kShareOfOthers = 0.5;
 
 struct Trial {
   std::string line;
   std::optional<JudgedAttempt> judged;
   TopoDS_Shape pieces;
   bool accepted = false;
-  bool timedOut = false;
+  double seconds = 0;
 };
 
 // Bytes across the process border: 8 bytes of header length, JSON header, a compound of the shape
@@ -95,7 +95,8 @@ Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDista
   const Clock::time_point start = Clock::now();
   Trial trial;
   const auto say = [&](const std::string& outcome) {
-    trial.line = fmt::format("{}: {} ({:.1f} s)", setting.name, outcome, secondsSince(start));
+    trial.seconds = secondsSince(start);
+    trial.line = fmt::format("{}: {} ({:.1f} s)", setting.name, outcome, trial.seconds);
   };
   const bool solid = healed.kind == BodyKind::Solid;
   const Result<std::string> bytes = runInChild(
@@ -107,7 +108,6 @@ Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDista
         return packAttempt(*attempt);
       });
   if (!bytes) {
-    trial.timedOut = bytes.error().code == ErrorCode::ResourceLimit;
     say(bytes.error().message);
     return trial;
   }
@@ -206,7 +206,7 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       Trial& trial = trials[i];
       if (log.accepted) break;  // done, or stopped on the way
-      if (trial.timedOut) leastWorth = std::max(leastWorth, kShareOfTimeout * chosen[i].timeLimit);
+      leastWorth = std::max(leastWorth, kShareOfOthers * trial.seconds);
       log.lines.push_back(trial.line);
       if (!trial.accepted && !trial.pieces.IsNull())
         log.open.push_back({chosen[i].name, chosen[i].reach, trial.pieces});

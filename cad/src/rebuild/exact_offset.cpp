@@ -91,6 +91,7 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   const Cutting cutting{solid, distance, diagonal, levelTolerance, setting, phi};
   Result<Cut> cut = cutting.cut(raw.faces, mayCross, setting.fuzzy * diagonal);
   if (!cut) return tl::unexpected<Error>(cut.error());
+  if (solid) result.pieces = livePieces(cut->judged);
   if (solid && setting.looksAgain && !cut->isClosed() && cells) {
     const double spent = secondsSince(start);
     const double seconds = std::min(std::max(kLeastSecondLook, kSecondLook * spent),
@@ -111,7 +112,6 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
   result.openEdges = assembly.openEdges;
   result.fittedFaces = assembly.fittedFaces;
   result.shape = assembly.shape;
-  if (solid) result.pieces = livePieces(cut->judged);
   if (result.shape.IsNull()) {
     result.fault = fmt::format("{} of {} pieces lie on the offset but enclose nothing",
                                result.keptFaces, result.splitFaces);

@@ -42,8 +42,8 @@ namespace {
 
 // Of the size of all: intersection curves are good to a tenth of it.
 constexpr double kDoubtful = 1e-6;
-// s of processor time: a pair takes milliseconds, seldom a second, or it never ends.
-constexpr double kPairSeconds = 4;
+// s of processor time: most pairs take milliseconds, a few some seconds, others never end.
+constexpr double kPairSeconds = 7;
 
 /// Answers for edges by the faces that use them.
 class PairFilter {

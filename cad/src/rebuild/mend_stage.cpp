@@ -4,6 +4,7 @@
 
 #include <TopExp_Explorer.hxx>
 #include <TopoDS.hxx>
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <string_view>
@@ -26,9 +27,10 @@ constexpr double kCreaseTolerance = 0.1;  // of |d|
 // Share of the time left for the front and for each set of pieces, and bounds in seconds.
 constexpr double kFrontShare = 0.3;
 constexpr double kShare = 0.5;
+constexpr double kLastShare = 0.7;  // the check still wants its time
 constexpr double kLeastSeconds = 5;
 constexpr double kLeastMendSeconds = 12;
-constexpr double kMostSeconds = 25;
+constexpr double kMostSeconds = 30;
 constexpr double kCheckSeconds = 30;
 constexpr double kMemoryMiB = 3000;
 constexpr std::size_t kMostTries = 2;
@@ -53,7 +55,9 @@ std::optional<JudgedAttempt> mendPieces(const std::vector<OpenPieces>& open,
   }
   std::optional<JudgedAttempt> closest;
   const double diagonal = phi.surface().box().diagonal().norm();
-  for (std::size_t i = 0; i < open.size() && i < kMostTries; ++i) {
+  const std::size_t tries = std::min(open.size(), kMostTries);
+  for (std::size_t i = 0; i < tries; ++i) {
+    const double share = i + 1 < tries ? kShare : kLastShare;
     const auto start = std::chrono::steady_clock::now();
     const auto say = [&](const std::string& outcome) {
       log.push_back(
@@ -68,7 +72,7 @@ std::optional<JudgedAttempt> mendPieces(const std::vector<OpenPieces>& open,
     const AssembleOptions assembling{.distance = level, .diagonal = diagonal};
     const Result<std::string> bytes = runInChild(
         "mending the pieces",
-        {deadline.forStep(kShare, kLeastMendSeconds, kMostSeconds), kMemoryMiB},
+        {deadline.forStep(share, kLeastMendSeconds, kMostSeconds), kMemoryMiB},
         [&]() -> Result<std::string> {
           std::vector<TopoDS_Face> pieces;
           for (TopExp_Explorer it(open[i].pieces, TopAbs_FACE); it.More(); it.Next())
