@@ -8,9 +8,14 @@
 #include <GCE2d_MakeSegment.hxx>
 #include <Geom2d_TrimmedCurve.hxx>
 #include <Geom_BezierSurface.hxx>
+#include <Geom_OffsetSurface.hxx>
 #include <Geom_ToroidalSurface.hxx>
 #include <TColgp_Array2OfPnt.hxx>
+#include <TopLoc_Location.hxx>
+#include <TopoDS.hxx>
+#include <gp_Ax2.hxx>
 #include <gp_Ax3.hxx>
+#include <gp_Trsf.hxx>
 
 #include <array>
 #include <chrono>
@@ -260,6 +265,34 @@ TEST(TrueDistance, FeetConvergeBeyondCentresOfCurvature) {
     const SurfaceFoot foot = surface.foot(query, 1e-9, beside);
     EXPECT_TRUE(foot.converged) << query.transpose();
     EXPECT_LE((foot.point - query).norm(), p[2] + 1e-9);
+  }
+}
+
+TEST(TrueDistance, FeetOnOffsetSurfacesAreFound) {
+  TColgp_Array2OfPnt poles(1, 4, 1, 4);
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      poles.SetValue(i + 1, j + 1, gp_Pnt(i, j, i % 3 == 0 || j % 3 == 0 ? 0 : 0.8));
+  const Handle(Geom_Surface) basis = new Geom_BezierSurface(poles);
+  gp_Trsf mirror;
+  mirror.SetMirror(gp_Ax2(gp_Pnt(1, 2, 3), gp_Dir(1, 1, 0)));
+  for (const double height : {0.3, -0.4}) {
+    const TopoDS_Face face =
+        BRepBuilderAPI_MakeFace(new Geom_OffsetSurface(basis, height), 1e-7).Face();
+    for (const TopoDS_Shape& placed :
+         {TopoDS_Shape(face), face.Moved(TopLoc_Location(mirror), Standard_False)}) {
+      const FaceSurface surface(TopoDS::Face(placed));
+      for (const Vec3& p : randomPoints(200, {0.1, 0.1, -0.2}, {0.9, 0.9, 0.2})) {
+        const Eigen::Vector2d uv(p[0], p[1]);
+        Vec3 on;
+        Vec3 normal;
+        ASSERT_TRUE(surface.pointAndNormal(uv, on, normal));
+        const SurfaceFoot foot =
+            surface.foot(on + p[2] * normal, 1e-10, uv + Eigen::Vector2d(0.05, -0.04));
+        EXPECT_TRUE(foot.converged);
+        EXPECT_NEAR((foot.point - on).norm(), 0, 1e-7);
+      }
+    }
   }
 }
 
