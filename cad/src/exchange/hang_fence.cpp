@@ -62,6 +62,11 @@ HangFence::HangFence(double seconds) : seconds_(seconds), lastSplit_(-kBetweenSp
   if (memory != MAP_FAILED) shared_ = new (memory) Shared;
 }
 
+HangFence::~HangFence() {
+  rest();
+  if (shared_ != nullptr) ::munmap(shared_, sizeof(Shared));
+}
+
 void HangFence::rest() {
   if (shared_ != nullptr) shared_->step = -1;
 }
@@ -98,23 +103,24 @@ void HangFence::split() {
 std::int64_t HangFence::watch(pid_t worker) {
   const int handle = static_cast<int>(::syscall(SYS_pidfd_open, worker, 0));
   pollfd entry{handle, POLLIN, 0};
-  std::int64_t fatal = -1;
-  for (int status = 0; fatal < 0;) {
+  const auto inStep = [&] { return shared_->worker == worker && shared_->step >= 0; };
+  int status = 0;
+  for (;;) {
     ::poll(&entry, 1, kPollMs);
-    const std::int64_t step = shared_->step;
-    const bool inStep = shared_->worker == worker && step >= 0;
     const pid_t ended = ::waitpid(worker, &status, WNOHANG);
     if (ended < 0 && errno != EINTR) ::_exit(1);
     if (ended == worker) {
-      if (!WIFSIGNALED(status) || !inStep) endAs(status);
-      fatal = step;
-    } else if (inStep && secondsOfProcess(worker) - shared_->entered > seconds_) {
+      if (!WIFSIGNALED(status) || !inStep()) endAs(status);
+      break;
+    }
+    if (inStep() && secondsOfProcess(worker) - shared_->entered > seconds_) {
       ::kill(worker, SIGKILL);
       while (::waitpid(worker, &status, 0) < 0 && errno == EINTR) {
       }
-      fatal = step;
+      break;
     }
   }
+  const std::int64_t fatal = shared_->step;
   if (handle >= 0) ::close(handle);
   shared_->step = -1;
   return fatal;

@@ -18,7 +18,7 @@ class HangFence {
   explicit HangFence(double seconds);
   HangFence(const HangFence&) = delete;
   HangFence& operator=(const HangFence&) = delete;
-  ~HangFence() { rest(); }
+  ~HangFence();
 
   /// To be called before every step. False: the step is to be left out.
   [[nodiscard]] bool enter();

@@ -34,7 +34,9 @@
 namespace phront::cad {
 namespace {
 
-// How far the spline may be from the offset surface that it stands for, of |d|.
+// With many offset surfaces intersecting them takes all the time there is; then splines stand for
+// them, so far off, of |d|. With few of them the exact ones cut more cleanly.
+constexpr int kManyFreeform = 30;
 constexpr double kSplineShare = 1e-4;
 
 /// New radius of a cylinder, a sphere or of a torus's tube; empty for other surfaces.
@@ -86,6 +88,13 @@ void collectEdges(const EdgeTable& table, const TopoDS_Face& face, FaceImage& im
   }
 }
 
+int freeformFaces(const EdgeTable& table) {
+  return static_cast<int>(
+      std::count_if(table.faces.begin(), table.faces.end(), [](const TopoDS_Face& face) {
+        return BRepAdaptor_Surface(face, Standard_False).GetType() > GeomAbs_Torus;
+      }));
+}
+
 void shareSmooth(const EdgeTable& table, const FaceImage& image,
                  std::map<int, TopoDS_Edge>& shared) {
   for (const auto& [e, edge] : image.edges) {
@@ -104,6 +113,7 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
   int dead = 0;
   int cut = 0;
   int splines = 0;
+  const bool usesSplines = freeformFaces(table) >= kManyFreeform;
   for (std::size_t f = 0; f < table.faces.size(); ++f) {
     const TopoDS_Face& face = table.faces[f];
     FaceImage& image = images[f];
@@ -145,7 +155,7 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
         if (!image.dead) ++lost;
         continue;
       }
-      splines += useSpline(image.face, kSplineShare * std::abs(distance)) ? 1 : 0;
+      if (usesSplines && useSpline(image.face, kSplineShare * std::abs(distance))) ++splines;
       for (const OpenPole& pole : vertices.poles())
         if (pole.face == static_cast<int>(f))
           image.face = openPole(table, pole, vertices, image.face);

@@ -35,8 +35,9 @@ constexpr double kLeastCheckSeconds = 10;  // also past the deadline: an attempt
 // No attempt is started with less time than this left, s.
 constexpr double kLeastAttempt = 1;
 constexpr double kReuniteSeconds = 5;
-// Nor with less than this share of the time that another setting took.
-constexpr double kShareOfOthers = 0.5;
+// Nor with less than this share of the time that another setting took or found too short.
+constexpr double kShareOfOthers = 0.25;
+constexpr double kShareOfTimeout = 0.5;
 
 struct Trial {
   std::string line;
@@ -44,6 +45,7 @@ struct Trial {
   TopoDS_Shape pieces;
   bool accepted = false;
   double seconds = 0;
+  bool timedOut = false;
 };
 
 // Bytes across the process border: 8 bytes of header length, JSON header, a compound of the shape
@@ -108,6 +110,7 @@ Trial runTrial(const Body& healed, const OffsetOptions& options, const TrueDista
         return packAttempt(*attempt);
       });
   if (!bytes) {
+    trial.timedOut = bytes.error().code == ErrorCode::ResourceLimit;
     say(bytes.error().message);
     return trial;
   }
@@ -206,7 +209,8 @@ AttemptLog runAttempts(const Body& healed, const OffsetOptions& options, const T
     for (std::size_t i = 0; i < chosen.size(); ++i) {
       Trial& trial = trials[i];
       if (log.accepted) break;  // done, or stopped on the way
-      leastWorth = std::max(leastWorth, kShareOfOthers * trial.seconds);
+      leastWorth =
+          std::max(leastWorth, (trial.timedOut ? kShareOfTimeout : kShareOfOthers) * trial.seconds);
       log.lines.push_back(trial.line);
       if (!trial.accepted && !trial.pieces.IsNull())
         log.open.push_back({chosen[i].name, chosen[i].reach, trial.pieces});

@@ -39,7 +39,7 @@
 namespace phront::cad {
 namespace {
 
-constexpr double kMostRemoved = 0.4;             // of the area
+constexpr double kMostRemoved = 0.75;            // of the area
 constexpr std::array kChords{6e-3, 2e-3, 5e-4};  // of |d|, of the edges around holes: tried in turn
 constexpr double kLongestSide = 10;              // of |d|
 constexpr double kLooseSides = 0.03;             // of |d|, how far sides may be off a piece
