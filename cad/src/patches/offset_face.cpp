@@ -6,8 +6,6 @@
 // itself; the selection cannot see that.
 #include "patches/offset_face.h"
 
-#include <fmt/format.h>
-
 #include <BRepAdaptor_Surface.hxx>
 #include <BRepLib.hxx>
 #include <BRepOffset_Offset.hxx>
@@ -29,15 +27,9 @@
 #include "patches/axis_trim.h"
 #include "patches/open_pole.h"
 #include "patches/patch_tools.h"
-#include "patches/spline_surface.h"
 
 namespace phront::cad {
 namespace {
-
-// With many offset surfaces intersecting them takes all the time there is; then splines stand for
-// them, so far off, of |d|. With few of them the exact ones cut more cleanly.
-constexpr int kManyFreeform = 30;
-constexpr double kSplineShare = 1e-4;
 
 /// New radius of a cylinder, a sphere or of a torus's tube; empty for other surfaces.
 std::optional<double> offsetRadius(const TopoDS_Face& face, double distance) {
@@ -88,13 +80,6 @@ void collectEdges(const EdgeTable& table, const TopoDS_Face& face, FaceImage& im
   }
 }
 
-int freeformFaces(const EdgeTable& table) {
-  return static_cast<int>(
-      std::count_if(table.faces.begin(), table.faces.end(), [](const TopoDS_Face& face) {
-        return BRepAdaptor_Surface(face, Standard_False).GetType() > GeomAbs_Torus;
-      }));
-}
-
 void shareSmooth(const EdgeTable& table, const FaceImage& image,
                  std::map<int, TopoDS_Edge>& shared) {
   for (const auto& [e, edge] : image.edges) {
@@ -112,8 +97,6 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
   int lost = 0;
   int dead = 0;
   int cut = 0;
-  int splines = 0;
-  const bool usesSplines = freeformFaces(table) >= kManyFreeform;
   for (std::size_t f = 0; f < table.faces.size(); ++f) {
     const TopoDS_Face& face = table.faces[f];
     FaceImage& image = images[f];
@@ -155,7 +138,6 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
         if (!image.dead) ++lost;
         continue;
       }
-      if (usesSplines && useSpline(image.face, kSplineShare * std::abs(distance))) ++splines;
       for (const OpenPole& pole : vertices.poles())
         if (pole.face == static_cast<int>(f))
           image.face = openPole(table, pole, vertices, image.face);
@@ -170,10 +152,6 @@ std::vector<FaceImage> offsetFaces(const EdgeTable& table, const VertexImages& v
     shareSmooth(table, image, shared);
   }
   if (cut > 0) notes.push_back(std::to_string(cut) + " faces end at their axis");
-  if (splines > 0) {
-    notes.push_back(fmt::format("{} offset surfaces are splines within {:.2g} mm", splines,
-                                kSplineShare * std::abs(distance)));
-  }
   if (dead > 0) notes.push_back(std::to_string(dead) + " faces with radius below |d| vanish");
   if (lost > 0) notes.push_back(std::to_string(lost) + " faces have no offset surface");
   return images;

@@ -144,7 +144,7 @@ class ThinnedIterator : public BOPDS_Iterator {
 };
 
 /// Asked once for every pair that is intersected; a pair that is told to break is as good as one
-/// that failed.
+/// that failed. Told so between two stages the filler gives up.
 class PairFence : public Message_ProgressIndicator {
  public:
   void rest() { fence_.rest(); }
