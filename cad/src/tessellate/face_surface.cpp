@@ -119,17 +119,27 @@ Eigen::Vector2d descent(const Eigen::Matrix2d& hessian, const Eigen::Matrix2d& m
 FaceSurface::FaceSurface(const TopoDS_Face& face) : adaptor_(face, Standard_False) {
   type_ = typeOf(adaptor_.GetType());
   mirrored_ = adaptor_.Trsf().IsNegative();
-  if (adaptor_.GetType() == GeomAbs_OffsetSurface) {
-    basis_ = adaptor_.BasisSurface();
-    height_ = adaptor_.OffsetValue() * adaptor_.Trsf().ScaleFactor() * (mirrored_ ? -1 : 1);
-    if (height_ == 0) basis_.Nullify();
-  }
   flipped_ = (face.Orientation() == TopAbs_REVERSED) != mirrored_;
   uPeriodic_ = adaptor_.IsUPeriodic();
   vPeriodic_ = adaptor_.IsVPeriodic();
   low_ = {adaptor_.FirstUParameter(), adaptor_.FirstVParameter()};
   high_ = {adaptor_.LastUParameter(), adaptor_.LastVParameter()};
   BRepTools::UVBounds(face, faceLow_.x(), faceHigh_.x(), faceLow_.y(), faceHigh_.y());
+  if (adaptor_.GetType() == GeomAbs_OffsetSurface) findBasis();
+}
+
+void FaceSurface::findBasis() {
+  const Handle(Adaptor3d_Surface) basis = adaptor_.BasisSurface();
+  const Eigen::Vector2d middle = 0.5 * (faceLow_ + faceHigh_);
+  gp_Pnt p;
+  gp_Vec bu, bv;
+  basis->D1(middle.x(), middle.y(), p, bu, bv);
+  const gp_Vec step(p, adaptor_.Value(middle.x(), middle.y()));
+  const gp_Vec cross = bu ^ bv;
+  if (!(cross.Magnitude() > kSingularSine * bu.Magnitude() * bv.Magnitude())) return;
+  // Measured, because locations may mirror and scale.
+  height_ = step.Dot(cross / cross.Magnitude());
+  if (height_ != 0) basis_ = basis;
 }
 
 bool FaceSurface::analytic() const {

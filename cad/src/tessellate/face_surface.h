@@ -45,6 +45,7 @@ class FaceSurface {
   [[nodiscard]] SurfaceFoot newtonFoot(const Vec3& x, double tolerance,
                                        const Eigen::Vector2d& start) const;
   [[nodiscard]] Eigen::Vector2d clamped(Eigen::Vector2d uv) const;
+  void findBasis();
   struct Bending;
   [[nodiscard]] Bending bendingAt(const Eigen::Vector2d& uv, const Vec3& x) const;
   [[nodiscard]] std::optional<Bending> bendingOfOffset(const Eigen::Vector2d& uv,

@@ -20,7 +20,7 @@ namespace {
 using Triangle = std::array<Index, 3>;
 using Loop = std::vector<Index>;
 
-constexpr std::size_t kMostCorners = 1600;  // of one band: the work grows with the cube
+constexpr std::size_t kMostCorners = 1200;  // of one band: the work grows with the cube
 // The surface counts as being there when it faces the same way: cosine between the normals. Sheets
 // back to back are told apart, the two sides of a crease are not.
 constexpr double kFacing = -0.3;
