@@ -1,4 +1,4 @@
-// Idea: every second or so the process forks. The new one goes on, the old one keeps the state of
+// Idea: every few seconds the process forks. The new one goes on, the old one keeps the state of
 // that moment and watches. When the worker hangs in a step or dies of it, the watcher ends it,
 // notes the step and goes on itself from where it is, leaving that step out. When the worker ends
 // well it has sent its result through the pipe that all of them share, and the watchers end, too.
@@ -24,7 +24,7 @@
 namespace phront::cad {
 namespace {
 
-constexpr double kBetweenSplits = 1.5;  // s of processor time
+constexpr double kBetweenSplits = 3;  // s of processor time
 constexpr int kPollMs = 20;
 
 double secondsOf(clockid_t clock) {

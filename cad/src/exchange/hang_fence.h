@@ -10,7 +10,7 @@ namespace phront::cad {
 
 /// In a child of runInChild: a step that hangs or crashes is left out, and the rest goes on as if
 /// it had returned at once. The steps must be the same and in the same order whenever they run.
-/// What they have done so far is repeated only since the last second or two, so that even a step
+/// What they have done so far is repeated only since some seconds before, so that even a step
 /// at the end costs little. Where the system refuses a process, there is no fence.
 class HangFence {
  public:

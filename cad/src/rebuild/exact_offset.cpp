@@ -32,6 +32,7 @@ constexpr double kApproximation = 1e-6;
 /// s, and times what was spent before it.
 constexpr double kLeastSecondLook = 5;
 constexpr double kSecondLook = 1.5;
+constexpr double kShareOfFirstLook = 0.5;  // with less it is not begun: it cuts all once more
 /// s of the attempt's time, kept for handing over what there is.
 constexpr double kToReturn = 2;
 
@@ -96,7 +97,7 @@ Result<AttemptResult> tryExactOffset(const TopoDS_Shape& body, bool solid, doubl
     const double spent = secondsSince(start);
     const double seconds = std::min(std::max(kLeastSecondLook, kSecondLook * spent),
                                     setting.timeLimit - spent - kToReturn);
-    if (seconds > 0) {
+    if (seconds > kShareOfFirstLook * spent) {
       if (std::optional<Cut> again = cutting.again(raw.faces, *cells, *cut, seconds))
         cut = std::move(*again);
     }
