@@ -28,8 +28,8 @@ class HangFence {
 
  private:
   struct Shared;
-  void split();
-  std::int64_t watch(pid_t worker);
+  void split();  ///< goes on in a new process, again for every step that ends one
+  std::int64_t watch(pid_t worker);  ///< the step that the worker hung in or died of
 
   Shared* shared_ = nullptr;  ///< memory of this process and those it came from
   double seconds_;

@@ -53,7 +53,7 @@ class FaceSurface {
 
   BRepAdaptor_Surface adaptor_;
   Handle(Adaptor3d_Surface) basis_;  ///< of an offset surface; null for others
-  double height_ = 0;                ///< over its basis, along that's normal
+  double height_ = 0;                ///< over its basis, along the basis's normal
   SurfaceType type_ = SurfaceType::Other;
   bool flipped_ = false;
   bool mirrored_ = false;
