@@ -237,6 +237,23 @@ TEST(FacetSolid, RefusesWhatDoesNotClose) {
   EXPECT_EQ(solidOfFacets({}).error().code, ErrorCode::Failed);
 }
 
+TEST(FacetSolid, AnOpenSurfaceIsASheet) {
+  FacetedSurface open;
+  addBox(open, Vec3(0, 0, 0), Vec3(1, 1, 1));
+  open.polygons.pop_back();
+  const Result<TopoDS_Shape> sheet = sheetOfFacets(open);
+  ASSERT_TRUE(sheet) << sheet.error().message;
+  EXPECT_EQ(sheet->ShapeType(), TopAbs_SHELL);
+  EXPECT_FALSE(BRep_Tool::IsClosed(*sheet));
+  EXPECT_TRUE(BRepCheck_Analyzer(*sheet).IsValid());
+  addBox(open, Vec3(3, 0, 0), Vec3(4, 1, 1));
+  open.polygons.pop_back();
+  const Result<TopoDS_Shape> two = sheetOfFacets(open);
+  ASSERT_TRUE(two) << two.error().message;
+  EXPECT_EQ(two->NbChildren(), 2);
+  EXPECT_EQ(sheetOfFacets({}).error().code, ErrorCode::Failed);
+}
+
 TEST(FacetSolid, FacesOfAShellFollowOneAnotherTheLargestFirst) {
   FacetedSurface facets = sphere(3, 12, 24);
   std::ranges::rotate(facets.polygons, facets.polygons.begin() + 100);

@@ -227,10 +227,7 @@ class BodyOffsetter {
   /// Exact pieces with facets of the front where they fail; else facets alone.
   Result<void> useFront(const Body& healed, const TrueDistance& phi) {
     const Deadline deadline(deadline_.left() + kExtraSeconds);
-    const double seconds =
-        deadline.forStep(kTessellateShare, kLeastSeconds, kMostTessellateSeconds);
-    const Result<TrueDistance> finer = distanceOf(healed, options_.distance, seconds, kFineness);
-    clock_.lap("tessellate");
+    const Result<TrueDistance> finer = finerDistance(healed, deadline);
     const TrueDistance& distance = finer ? *finer : phi;
     std::optional<JudgedAttempt> mended =
         mendPieces(attempts_.open, body_.name, options_, distance, *check_,
@@ -241,7 +238,7 @@ class BodyOffsetter {
       useAttempt(std::move(*mended), OffsetKind::Faceted);
       return {};
     }
-    if (Result<void> found = useFacets(distance, deadline); !found) return found;
+    if (Result<void> found = useFacets(healed, distance, deadline); !found) return found;
     // Of two that fail the one that is exact but in places.
     if (!report().check.pass() && mended && mended->file.check.valid && mended->file.check.closed)
       useAttempt(std::move(*mended), OffsetKind::Failed);
@@ -292,9 +289,17 @@ class BodyOffsetter {
     report().exactFaces = report().check.faces - report().fittedFaces - report().facetedFaces;
   }
 
-  Result<void> useFacets(const TrueDistance& phi, const Deadline& deadline) {
+  Result<TrueDistance> finerDistance(const Body& healed, const Deadline& deadline) {
+    const double seconds =
+        deadline.forStep(kTessellateShare, kLeastSeconds, kMostTessellateSeconds);
+    Result<TrueDistance> finer = distanceOf(healed, options_.distance, seconds, kFineness);
+    clock_.lap("tessellate");
+    return finer;
+  }
+
+  Result<void> useFacets(const Body& body, const TrueDistance& phi, const Deadline& deadline) {
     Result<FacetAttempt> facets =
-        facetBody(body_.name, options_, phi, *check_, deadline, progress_.part(0.8, 1, "facets"));
+        facetBody(body, options_, phi, *check_, deadline, progress_.part(0.8, 1, "facets"));
     clock_.lap("facets");
     if (!facets) return tl::unexpected(facets.error());
     report().setting = "facets of the iso-surface";
@@ -302,24 +307,42 @@ class BodyOffsetter {
     report().checkedFile = facets->file.fingerprint;
     report().facetedFaces = facets->facets;
     report().exactFaces = facets->planarFaces;
-    report().kind = report().check.pass() ? OffsetKind::Faceted : OffsetKind::Failed;
     result_.bodies = std::move(facets->bodies);
+    report().kind = kindOf(OffsetKind::Faceted);
     return {};
   }
 
+  /// Faces cut one by one; where they do not pass, facets of the front.
   Result<void> useTrimmedFaces(const Body& healed, const TrueDistance& phi) {
     Result<SheetAttempt> sheet = sheetOfFaces(healed, options_, phi, *check_, deadline_,
-                                              progress_.part(0.8, 1, "trimmed faces"));
+                                              progress_.part(0.8, 0.9, "trimmed faces"));
     clock_.lap("trimmed faces");
     if (!sheet) return tl::unexpected(sheet.error());
+    if (!sheet->check.pass()) {
+      report().attempts.push_back("trimmed faces: rejected: " + sheet->check.reasons.front());
+      const Deadline deadline(deadline_.left() + kExtraSeconds);
+      const Result<TrueDistance> finer = finerDistance(healed, deadline);
+      if (Result<void> found = useFacets(healed, finer ? *finer : phi, deadline); !found)
+        return found;
+      // Of two that fail the one that is exact but in places.
+      if (report().check.pass() || sheet->bodies.empty() || !sheet->check.valid) return {};
+      report().attempts.push_back("facets: rejected: " + report().check.reasons.front());
+      report().facetedFaces = 0;
+    }
     report().setting = "trimmed faces";
-    report().check = std::move(sheet->check);
+    report().checkedFile = 0;
     report().exactFaces = sheet->exactFaces;
     report().fittedFaces = sheet->fittedFaces;
-    report().kind = report().check.pass() ? OffsetKind::Exact : OffsetKind::Failed;
-    if (report().check.pass() && sheet->bodies.empty()) report().kind = OffsetKind::Empty;
+    report().check = std::move(sheet->check);
     result_.bodies = std::move(sheet->bodies);
+    report().kind = kindOf(OffsetKind::Exact);
     return {};
+  }
+
+  /// Of what there is, if its check passes.
+  [[nodiscard]] OffsetKind kindOf(OffsetKind made) const {
+    if (!result_.report.check.pass()) return OffsetKind::Failed;
+    return result_.bodies.empty() ? OffsetKind::Empty : made;
   }
 
   static OffsetOptions withArcs(OffsetOptions options) {

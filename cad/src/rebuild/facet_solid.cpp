@@ -79,6 +79,14 @@ Sides sidesOf(const Borders& borders) {
   return sides;
 }
 
+Result<void> checkPolygons(const FacetedSurface& facets) {
+  if (facets.polygons.empty()) return fail(ErrorCode::Failed, "There are no facets.");
+  for (const FacetPolygon& polygon : facets.polygons) {
+    if (polygon.loops.empty()) return fail(ErrorCode::Failed, "A facet has no outer loop.");
+  }
+  return {};
+}
+
 Result<Sides> pairSides(const FacetedSurface& facets, const Borders& borders) {
   Sides sides = sidesOf(borders);
   const auto pointCount = static_cast<Index>(facets.points.size());
@@ -105,7 +113,14 @@ Result<Sides> pairSides(const FacetedSurface& facets, const Borders& borders) {
       }
     }
   }
-  for (const Side& side : sides.all) {
+  return sides;
+}
+
+/// Only the borders' sides are used by one facet.
+Result<Sides> closedSides(const FacetedSurface& facets, const Borders& borders) {
+  Result<Sides> sides = pairSides(facets, borders);
+  if (!sides) return sides;
+  for (const Side& side : sides->all) {
     const bool atBorder = !side.edge.IsNull();
     if (side.forward == kNone || (side.backward == kNone) != atBorder) {
       return fail(ErrorCode::Failed, "Facets do not close: a side is used by one facet only.");
@@ -212,6 +227,7 @@ std::vector<std::vector<Index>> shellsOf(const FacetedSurface& facets, const Sid
   std::ranges::stable_sort(bySize, std::ranges::greater{}, [&](std::size_t i) { return areas[i]; });
   std::vector<std::vector<Index>> beside(count);
   for (const Side& side : sides.all) {
+    if (side.backward == kNone) continue;
     beside[static_cast<std::size_t>(side.forward)].push_back(side.backward);
     beside[static_cast<std::size_t>(side.backward)].push_back(side.forward);
   }
@@ -287,21 +303,35 @@ std::vector<Index> ownersOf(const FacetedSurface& facets,
 }
 
 TopoDS_Shell makeShell(const FacetedSurface& facets, const std::vector<Index>& polygons,
-                       const Sides& sides) {
+                       const Sides& sides, bool closed) {
   const BRep_Builder builder;
   TopoDS_Shell shell;
   builder.MakeShell(shell);
   for (const Index i : polygons) builder.Add(shell, makeFace(facets.polygons[i], facets, sides));
-  shell.Closed(true);
+  shell.Closed(closed);
   return shell;
 }
 
-Result<TopoDS_Shape> build(const FacetedSurface& facets) {
-  if (facets.polygons.empty()) return fail(ErrorCode::Failed, "There are no facets to close.");
-  for (const FacetPolygon& polygon : facets.polygons) {
-    if (polygon.loops.empty()) return fail(ErrorCode::Failed, "A facet has no outer loop.");
-  }
+Result<TopoDS_Shape> buildSheet(const FacetedSurface& facets) {
+  if (Result<void> ok = checkPolygons(facets); !ok) return tl::unexpected<Error>(ok.error());
   Result<Sides> sides = pairSides(facets, {});
+  if (!sides) return tl::unexpected<Error>(sides.error());
+  makeEdges(facets, *sides);
+  const BRep_Builder builder;
+  TopoDS_Compound compound;
+  builder.MakeCompound(compound);
+  const std::vector<std::vector<Index>> shells = shellsOf(facets, *sides);
+  for (const std::vector<Index>& polygons : shells) {
+    const TopoDS_Shell shell = makeShell(facets, polygons, *sides, false);
+    if (shells.size() == 1) return TopoDS_Shape(shell);
+    builder.Add(compound, shell);
+  }
+  return TopoDS_Shape(compound);
+}
+
+Result<TopoDS_Shape> buildSolid(const FacetedSurface& facets) {
+  if (Result<void> ok = checkPolygons(facets); !ok) return tl::unexpected<Error>(ok.error());
+  Result<Sides> sides = closedSides(facets, {});
   if (!sides) return tl::unexpected<Error>(sides.error());
   makeEdges(facets, *sides);
 
@@ -317,7 +347,7 @@ Result<TopoDS_Shape> build(const FacetedSurface& facets) {
   for (std::size_t s = 0; s < shells.size(); ++s) {  // the outer shell comes first in a solid
     if (owners[s] != static_cast<Index>(s)) continue;
     builder.MakeSolid(solids[s]);
-    builder.Add(solids[s], makeShell(facets, shells[s], *sides));
+    builder.Add(solids[s], makeShell(facets, shells[s], *sides, true));
   }
   for (std::size_t s = 0; s < shells.size(); ++s) {
     if (owners[s] == static_cast<Index>(s)) continue;
@@ -327,7 +357,7 @@ Result<TopoDS_Shape> build(const FacetedSurface& facets) {
       if (-extents[s].volume <= facets.maxDeviation * extents[s].area) continue;
       return fail(ErrorCode::Failed, "Facets close around empty space outside every solid.");
     }
-    builder.Add(solids[owners[s]], makeShell(facets, shells[s], *sides));
+    builder.Add(solids[owners[s]], makeShell(facets, shells[s], *sides, true));
   }
   std::erase_if(solids, [](const TopoDS_Solid& solid) { return solid.IsNull(); });
   if (solids.empty()) return fail(ErrorCode::Failed, "Facets close around nothing.");
@@ -342,12 +372,17 @@ Result<TopoDS_Shape> build(const FacetedSurface& facets) {
 
 Result<TopoDS_Shape> solidOfFacets(const FacetedSurface& facets) {
   return guardOcct("building a solid of planar facets",
-                   [&]() -> Result<TopoDS_Shape> { return build(facets); });
+                   [&]() -> Result<TopoDS_Shape> { return buildSolid(facets); });
+}
+
+Result<TopoDS_Shape> sheetOfFacets(const FacetedSurface& facets) {
+  return guardOcct("building a sheet of planar facets",
+                   [&]() -> Result<TopoDS_Shape> { return buildSheet(facets); });
 }
 
 Result<std::vector<TopoDS_Face>> facesOfFacets(const FacetedSurface& facets,
                                                const Borders& borders) {
-  Result<Sides> sides = pairSides(facets, borders);
+  Result<Sides> sides = closedSides(facets, borders);
   if (!sides) return tl::unexpected<Error>(sides.error());
   makeEdges(facets, *sides);
   std::vector<TopoDS_Face> faces;

@@ -16,6 +16,9 @@ namespace phront::cad {
 /// the measured non-planarity. Fails with Failed when the polygons do not close.
 [[nodiscard]] Result<TopoDS_Shape> solidOfFacets(const FacetedSurface& facets);
 
+/// The same for a surface with free sides: a shell per component, or a compound of several.
+[[nodiscard]] Result<TopoDS_Shape> sheetOfFacets(const FacetedSurface& facets);
+
 /// One planar face per polygon of a surface with borders, shared edges and vertices; sides of the
 /// borders become the edges given. `borders`: closed loops of edges, one behind the other, oriented
 /// along the loop; the surface's first points are their first vertices in that order. Fails with

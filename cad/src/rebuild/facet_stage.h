@@ -1,4 +1,5 @@
-// The iso-surface itself becomes the solid: the last resort, closed whatever the part is like.
+// The iso-surface itself becomes the result: the last resort. For a solid it is closed whatever the
+// part is like, for a sheet it ends where the sheet does.
 #pragma once
 
 #include <string>
@@ -14,22 +15,22 @@
 namespace phront::cad {
 
 struct FacetAttempt {
-  std::vector<Body> bodies;  ///< empty: no solid could be made, the check says why
+  std::vector<Body> bodies;  ///< empty: nothing is left, or could be made: the check says
   int planarFaces = 0;       ///< offsets of planar faces, one polygon each
   int facets = 0;            ///< planar facets that stand in for curved offset surfaces
   FileCheck file;            ///< against the body as read
 };
 
-/// Facets of the front, checked; where there is no solid at all, coarse ones. `phi` is the distance
-/// of the part, finely tessellated: facets have nothing truer; `name` is its name. Guarded; bounded
-/// by the deadline. Fails with Cancelled only.
-[[nodiscard]] Result<FacetAttempt> facetBody(const std::string& name, const OffsetOptions& options,
+/// Facets of the front, checked; where there are none at all, coarse ones. `phi` is the distance of
+/// `body`, finely tessellated: facets have nothing truer. Guarded; bounded by the deadline. Fails
+/// with Cancelled only.
+[[nodiscard]] Result<FacetAttempt> facetBody(const Body& body, const OffsetOptions& options,
                                              const TrueDistance& phi, const BodyCheck& check,
                                              const Deadline& deadline, const Progress& progress);
 
 /// Some seconds whatever the part: facets far off the tolerance, which fail their check but are
-/// valid and closed.
-[[nodiscard]] FacetAttempt coarseFacets(const std::string& name, const OffsetOptions& options,
+/// valid and, for a solid, closed.
+[[nodiscard]] FacetAttempt coarseFacets(const Body& body, const OffsetOptions& options,
                                         const TrueDistance& phi, const BodyCheck& check,
                                         const Deadline& deadline);
 

@@ -1,4 +1,4 @@
-// The last resort for sheets: the trimmed offsets of the faces, one by one.
+// Where no attempt on a whole sheet passes: the trimmed offsets of its faces, one by one.
 #pragma once
 
 #include "deadline.h"

@@ -70,4 +70,15 @@ struct SurfaceHoles {
                                                 const FacetOptions& options,
                                                 const Progress& progress = {});
 
+/// Facets of the front on one side of an open surface: what of phi = d has its foot within `sheet`
+/// or straight over a free edge. `around`: the same mesh with SignRule::Unsigned; `wrap`: its
+/// iso-surface at |d|. The polygons look to where the sheet's outer side looks, for d < 0 as well;
+/// sides over free edges are used once. No polygons where nothing of the front is left there.
+/// Fails as facetIsoSurface().
+[[nodiscard]] Result<FacetedSurface> facetSheet(const SurfaceDistance& sheet,
+                                                const SurfaceDistance& around,
+                                                const IsoSurface& wrap, double distance,
+                                                const FacetOptions& options,
+                                                const Progress& progress = {});
+
 }  // namespace phront

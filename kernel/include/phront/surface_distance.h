@@ -33,11 +33,12 @@ struct BlockPhi {
   std::array<Index, 512> triangle{};    ///< of held nodes: closest; kNone: beyond the border
 };
 
-/// How the sign of a closed mesh is found.
+/// How the sign is found.
 enum class SignRule {
   Topology,  ///< of the foot's pseudonormal: the mesh bounds one material
   Union,     ///< connected parts that touch or overlap: inside is where any of them is; a query
              ///< more for every other part whose box holds the point
+  Unsigned,  ///< always +1, and no free edge is a border: fronts wrap an open mesh on both sides
 };
 
 /// Exact signed distance to a mesh by a bounding-volume hierarchy (closest point) and
@@ -58,7 +59,7 @@ class SurfaceDistance {
 
   [[nodiscard]] const TriMesh& mesh() const;
   [[nodiscard]] const Box3& box() const;
-  [[nodiscard]] bool closed() const;      ///< no free edges, or gaps only
+  [[nodiscard]] bool closed() const;      ///< no free edges, or gaps only; or Unsigned
   [[nodiscard]] bool watertight() const;  ///< no free edges
 
   /// Closest point of the whole surface. `reach` bounds the search: beyond it triangle == kNone.

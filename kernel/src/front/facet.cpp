@@ -7,12 +7,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "front/facet_collapse.h"
 #include "front/facet_mesh.h"
 #include "front/facet_tidy.h"
 #include "front/hole_patch.h"
+#include "front/sheet_side.h"
 
 namespace phront {
 
@@ -113,6 +115,8 @@ Result<FacetedSurface> facets(const SurfaceDistance& surface, const IsoSurface& 
                           options.maxFacets, tolerance / options.tolerance));
 }
 
+Plane turned(const Plane& plane) { return {-plane.normal, -plane.offset}; }
+
 }  // namespace
 
 Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const IsoSurface& iso,
@@ -128,7 +132,7 @@ Result<FacetedSurface> facetIsoSurface(const SurfaceDistance& surface, const Iso
 Result<FacetedSurface> facetHoles(const SurfaceDistance& surface, const IsoSurface& iso,
                                   double level, const SurfaceHoles& holes,
                                   const FacetOptions& options, const Progress& progress) {
-  const Result<facet::HolePatch> patch = facet::makeHolePatch(surface, iso, holes);
+  const Result<facet::CappedFront> patch = facet::makeHolePatch(surface, iso, holes);
   if (!patch) return tl::unexpected<Error>(patch.error());
   if (const auto ok = validate(surface, patch->iso, level, options); !ok) {
     return tl::unexpected<Error>(ok.error());
@@ -136,6 +140,32 @@ Result<FacetedSurface> facetHoles(const SurfaceDistance& surface, const IsoSurfa
   const Box3 box = boundingBox(iso.mesh).merged(boundingBox(patch->iso.mesh));
   return facets(surface, patch->iso, box, patch->apexes, patch->fixedPoints, level, options,
                 progress);
+}
+
+Result<FacetedSurface> facetSheet(const SurfaceDistance& sheet, const SurfaceDistance& around,
+                                  const IsoSurface& wrap, double distance,
+                                  const FacetOptions& options, const Progress& progress) {
+  if (wrap.mesh.triangles.empty()) return FacetedSurface{};
+  const double level = std::abs(distance);
+  if (const auto ok = validate(around, wrap, level, options); !ok) {
+    return tl::unexpected<Error>(ok.error());
+  }
+  const facet::CappedFront front =
+      facet::frontBesideSheet(sheet, wrap, distance, options.tolerance);
+  if (front.iso.mesh.triangles.empty()) return FacetedSurface{};
+  FacetOptions beside = options;
+  if (distance < 0) {  // seen from that side
+    for (std::optional<Plane>& plane : beside.planeOfFace)
+      if (plane) plane = turned(*plane);
+  }
+  Result<FacetedSurface> made = facets(around, front.iso, boundingBox(front.iso.mesh), front.apexes,
+                                       front.fixedPoints, level, beside, progress);
+  if (!made || distance > 0) return made;
+  for (FacetPolygon& polygon : made->polygons) {
+    polygon.plane = turned(polygon.plane);
+    for (std::vector<Index>& loop : polygon.loops) std::reverse(loop.begin(), loop.end());
+  }
+  return made;
 }
 
 }  // namespace phront

@@ -41,7 +41,7 @@ class PatchMaker {
   PatchMaker(const SurfaceDistance& surface, const IsoSurface& iso, const SurfaceHoles& holes)
       : surface_(surface), iso_(iso), holes_(holes) {}
 
-  Result<HolePatch> run() {
+  Result<CappedFront> run() {
     placeLoops();
     if (loops_.empty()) return fail(ErrorCode::InvalidArgument, "There is no hole to fill.");
     for (const Loop& loop : loops_) {
@@ -84,9 +84,7 @@ class PatchMaker {
     std::vector<Vec3> corners;
     for (std::size_t h = 0; h < holes_.loops.size(); ++h) {
       for (const std::vector<Vec3>& loop : holes_.loops[h]) {
-        Vec3 middle = Vec3::Zero();
-        for (const Vec3& p : loop) middle += p / static_cast<double>(loop.size());
-        points.push_back(middle);
+        points.push_back(middleOf(loop));
         loops_.emplace_back(loop.size());
         holeOf_.push_back(h);
         corners.insert(corners.end(), loop.begin(), loop.end());
@@ -346,11 +344,8 @@ class PatchMaker {
 
   void addFans() {
     if (patch_.iso.labels.empty()) patch_.iso.labels.push_back({});
-    for (std::size_t l = 0; l < loops_.size(); ++l) {
-      const Loop& loop = loops_[l];
-      for (std::size_t k = 0; k < loop.size(); ++k)
-        addTriangle({loop[(k + 1) % loop.size()], loop[k], static_cast<Index>(l)}, 0);
-    }
+    for (std::size_t l = 0; l < loops_.size(); ++l)
+      addFan(patch_.iso.mesh, loops_[l], static_cast<Index>(l));
   }
 
   /// Of a part of the front.
@@ -362,7 +357,7 @@ class PatchMaker {
   const SurfaceDistance& surface_;
   const IsoSurface& iso_;
   const SurfaceHoles& holes_;
-  HolePatch patch_;
+  CappedFront patch_;
   std::vector<Loop> loops_;
   std::vector<std::size_t> holeOf_;  ///< per loop
   std::vector<Index> chosen_;        ///< triangles of the front
@@ -371,8 +366,8 @@ class PatchMaker {
 
 }  // namespace
 
-Result<HolePatch> makeHolePatch(const SurfaceDistance& surface, const IsoSurface& iso,
-                                const SurfaceHoles& holes) {
+Result<CappedFront> makeHolePatch(const SurfaceDistance& surface, const IsoSurface& iso,
+                                  const SurfaceHoles& holes) {
   return PatchMaker(surface, iso, holes).run();
 }
 

@@ -118,6 +118,7 @@ struct SurfaceDistance::Impl {
   TriMesh mesh;
   Box3 box;
   bool closed = true;                              // but for gaps
+  bool hasSides = true;                            // else every sign is +1
   bool watertight = true;                          // no free sides
   std::array<Index, 2> disagreeing{kNone, kNone};  // neighbours turned against one another
   double onSurface = 0;
@@ -200,7 +201,7 @@ struct SurfaceDistance::Impl {
 };
 
 SurfaceDistance::Impl::Impl(TriMesh input, SignRule rule, double gap)
-    : mesh(std::move(input)), box(boundingBox(mesh)) {
+    : mesh(std::move(input)), box(boundingBox(mesh)), hasSides(rule != SignRule::Unsigned) {
   const double largest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
   onSurface = kOnSurfaceUlps * std::numeric_limits<double>::epsilon() * largest;
   const TriangleBoxes cover = splitBoxes(mesh);
@@ -326,7 +327,7 @@ void SurfaceDistance::Impl::buildTopology(const MeshEdges& edges, double gap) {
     }
   }
   watertight = freeSides.empty();
-  closed = watertight || (gap > 0 && onlyGaps(mesh, freeSides, gap));
+  closed = !hasSides || watertight || (gap > 0 && onlyGaps(mesh, freeSides, gap));
   rings = pointRings(mesh);
   pointNormals.assign(mesh.points.size(), Vec3::Zero());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -403,7 +404,7 @@ double SurfaceDistance::Impl::sideOf(const Vec3& x, const FootPoint& foot) const
 }
 
 double SurfaceDistance::Impl::signAt(const Vec3& x, const FootPoint& foot) const {
-  if (foot.distance == 0) return 1;
+  if (foot.distance == 0 || !hasSides) return 1;
   const double side = sideOf(x, foot);
   if (parts.size() < 2) return side;
   // Times that parts wind around x: only those whose box holds it can.
@@ -466,7 +467,7 @@ FootPoint SurfaceDistance::Impl::finish(const Best& best, const Vec3& x) const {
 Result<SurfaceDistance> SurfaceDistance::build(TriMesh mesh, SignRule rule, double gap) {
   if (auto ok = checkInput(mesh); !ok) return tl::unexpected(ok.error());
   auto impl = std::make_unique<const Impl>(std::move(mesh), rule, gap);
-  if (const auto [a, b] = impl->disagreeing; impl->closed && a != kNone) {
+  if (const auto [a, b] = impl->disagreeing; impl->hasSides && impl->closed && a != kNone) {
     return fail(ErrorCode::InvalidArgument,
                 fmt::format("Triangles {} and {} of the closed surface disagree about its outside; "
                             "orient the mesh first.",
@@ -529,7 +530,8 @@ struct SurfaceDistance::BlockVisitor final : BlockQuery::Visitor {
         continue;
       }
       const double distance = surface.distanceOf(face.squared[c]);
-      hold(node, distance, distance > 0 && face.height[c] < 0 ? -1 : 1, t.id);
+      const bool under = surface.hasSides && distance > 0 && face.height[c] < 0;
+      hold(node, distance, under ? -1 : 1, t.id);
     }
   }
 
