@@ -31,6 +31,7 @@
 #include <numbers>
 
 #include "exchange/measures.h"
+#include "judge/check_body.h"
 #include "judge/read_back.h"
 #include "rebuild/assembly_bytes.h"
 #include "rebuild/cells.h"
@@ -38,7 +39,6 @@
 #include "rebuild/edge_uses.h"
 #include "rebuild/exact_offset.h"
 #include "rebuild/facet_gaps.h"
-#include "rebuild/facet_stage.h"
 #include "rebuild/fill_gaps.h"
 #include "rebuild/front_cuts.h"
 #include "rebuild/front_stage.h"
@@ -52,7 +52,6 @@
 #include "rebuild/select.h"
 #include "rebuild/straight_edges.h"
 #include "solids.h"
-#include "tessellate/body_distance.h"
 
 namespace phront::cad {
 namespace {
@@ -513,87 +512,6 @@ TEST(MakeFront, EndsInTimeAndSaysWhatItLeftOut) {
   const auto coarse = makeFront(phi.surface(), -0.1, 1, {1000, 60}, {});
   ASSERT_TRUE(coarse) << coarse.error().message;
   EXPECT_TRUE(coarse->unresolved);
-}
-
-TEST(FacetBody, PassesAndIsClosedWhereCoarse) {
-  const TopoDS_Shape shape = test::filletedBox(10, 2);
-  const Body body = test::solidBody(shape);
-  const TrueDistance phi = distanceOf(shape, 0.002);
-  OffsetOptions options;
-  options.distance = 1;
-  options.tolerance = 0.03;
-  options.threads = 1;
-  const Result<BodyCheck> check = BodyCheck::make(
-      body, body, std::make_shared<const TrueDistance>(distanceOf(shape, 0.002)), 1, 30);
-  ASSERT_TRUE(check) << check.error().message;
-  const Result<FacetAttempt> fine = facetBody(body, options, phi, *check, Deadline(60), {});
-  ASSERT_TRUE(fine) << fine.error().message;
-  EXPECT_TRUE(fine->file.check.pass()) << fine->file.check.reasons.front();
-  EXPECT_NE(fine->file.fingerprint, 0U);
-  EXPECT_EQ(fine->planarFaces, 6);
-  EXPECT_GT(fine->facets, 100);
-
-  const FacetAttempt coarse = coarseFacets(body, options, phi, *check, Deadline(60));
-  EXPECT_FALSE(coarse.file.check.pass());
-  EXPECT_TRUE(coarse.file.check.valid);
-  EXPECT_TRUE(coarse.file.check.closed);
-  ASSERT_EQ(coarse.bodies.size(), 1U);
-  EXPECT_LT(coarse.facets, fine->facets);
-
-  const Progress cancel([](double, std::string_view) { return false; });
-  const Result<FacetAttempt> cancelled =
-      facetBody(body, options, phi, *check, Deadline(60), cancel);
-  ASSERT_FALSE(cancelled);
-  EXPECT_EQ(cancelled.error().code, ErrorCode::Cancelled);
-}
-
-TEST(FacetBody, ASheetEndsWhereItsEdgesAreOffset) {
-  // A cylinder without its ends, and a quarter of it.
-  for (const double angle : {2 * std::numbers::pi, std::numbers::pi / 2}) {
-    BRepPrimAPI_MakeCylinder cylinder(10, 20, angle);
-    Body body;
-    body.kind = BodyKind::Sheet;
-    body.shape = makeShape(cylinder.Cylinder().LateralFace());
-    OffsetOptions options;
-    options.threads = 1;
-    for (const double d : {2.0, -2.0}) {
-      options.distance = d;
-      options.tolerance = 0.15;
-      Result<TrueDistance> made = distanceOf(body, d, 20);
-      ASSERT_TRUE(made) << made.error().message;
-      const auto phi = std::make_shared<const TrueDistance>(std::move(*made));
-      const Result<BodyCheck> check = BodyCheck::make(body, body, phi, d, 30);
-      ASSERT_TRUE(check) << check.error().message;
-      const Result<FacetAttempt> facets = facetBody(body, options, *phi, *check, Deadline(60), {});
-      ASSERT_TRUE(facets) << facets.error().message;
-      ASSERT_TRUE(facets->file.check.pass()) << facets->file.check.reasons.front();
-      ASSERT_EQ(facets->bodies.size(), 1U);
-      EXPECT_EQ(facets->bodies.front().kind, BodyKind::Sheet);
-      const double area = angle * (10 + d) * 20;
-      EXPECT_NEAR(areaOf(occtShape(facets->bodies.front().shape)), area, 0.02 * area);
-    }
-  }
-}
-
-TEST(FacetBody, SaysWhenNothingOfASheetIsLeft) {
-  // Inside a cylinder with a slit no point is farther than its radius.
-  BRepPrimAPI_MakeCylinder cylinder(1, 20, 5.5);
-  Body body;
-  body.kind = BodyKind::Sheet;
-  body.shape = makeShape(cylinder.Cylinder().LateralFace());
-  OffsetOptions options;
-  options.threads = 1;
-  options.distance = -1.5;
-  options.tolerance = 0.02;
-  Result<TrueDistance> made = distanceOf(body, options.distance, 20);
-  ASSERT_TRUE(made) << made.error().message;
-  const auto phi = std::make_shared<const TrueDistance>(std::move(*made));
-  const Result<BodyCheck> check = BodyCheck::make(body, body, phi, options.distance, 30);
-  ASSERT_TRUE(check) << check.error().message;
-  const Result<FacetAttempt> facets = facetBody(body, options, *phi, *check, Deadline(60), {});
-  ASSERT_TRUE(facets) << facets.error().message;
-  EXPECT_TRUE(facets->bodies.empty());
-  EXPECT_TRUE(facets->file.check.pass());
 }
 
 TEST(JoinNearBodies, PutsTogetherWhatGrowsTogether) {

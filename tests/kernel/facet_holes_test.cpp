@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 
+#include "facets.h"
 #include "meshes.h"
 #include "phront/facet.h"
 
@@ -47,19 +48,6 @@ Cut cut(const TriMesh& front, const std::function<bool(const Vec3&)>& goes) {
     }
   }
   return result;
-}
-
-double areaOf(const FacetedSurface& facets) {
-  double sum = 0;
-  for (const FacetPolygon& polygon : facets.polygons) {
-    Vec3 twice = Vec3::Zero();
-    for (const auto& loop : polygon.loops)
-      for (std::size_t k = 1; k + 1 < loop.size(); ++k)
-        twice += (facets.points[loop[k]] - facets.points[loop[0]])
-                     .cross(facets.points[loop[k + 1]] - facets.points[loop[0]]);
-    sum += twice.norm() / 2;
-  }
-  return sum;
 }
 
 /// The corners come first, the loops' sides are used once, along the loop, and all others twice.
@@ -114,7 +102,7 @@ TEST(FacetHoles, ACapOfARounding) {
                              [](const Vec3& x) { return (x - Vec3(1, 1, 1)).norm() < 0.45; });
   ASSERT_EQ(filled.cut.loops.size(), 1U);
   expectFills(filled.facets, filled.cut.loops);
-  EXPECT_NEAR(areaOf(filled.facets), filled.cut.area, 0.01 * filled.cut.area);
+  EXPECT_NEAR(test::areaOf(filled.facets), filled.cut.area, 0.01 * filled.cut.area);
   EXPECT_LT(filled.facets.maxDeviation, 0.006);
 }
 
@@ -124,7 +112,7 @@ TEST(FacetHoles, ASharpCornerComesBack) {
                              [](const Vec3& x) { return (x - Vec3(0.9, 0.9, 0.9)).norm() < 0.3; });
   ASSERT_EQ(filled.cut.loops.size(), 1U);
   expectFills(filled.facets, filled.cut.loops);
-  EXPECT_NEAR(areaOf(filled.facets), filled.cut.area, 1e-3 * filled.cut.area);
+  EXPECT_NEAR(test::areaOf(filled.facets), filled.cut.area, 1e-3 * filled.cut.area);
   EXPECT_LT(filled.facets.maxDeviation, 0.001);
   const auto& points = filled.facets.points;
   EXPECT_TRUE(std::any_of(points.begin(), points.end(),
@@ -138,7 +126,7 @@ TEST(FacetHoles, ANarrowHoleIsFilledWithoutTheFront) {
       });
   ASSERT_EQ(filled.cut.loops.size(), 1U);
   expectFills(filled.facets, filled.cut.loops);
-  EXPECT_NEAR(areaOf(filled.facets), filled.cut.area, 1e-9);
+  EXPECT_NEAR(test::areaOf(filled.facets), filled.cut.area, 1e-9);
 }
 
 TEST(FacetHoles, ABeltHasTwoLoops) {
@@ -146,7 +134,7 @@ TEST(FacetHoles, ABeltHasTwoLoops) {
       fill(test::sphere(1, 4), 0.2, 0.1, 0.003, [](const Vec3& x) { return std::abs(x[2]) < 0.5; });
   ASSERT_EQ(filled.cut.loops.size(), 2U);
   expectFills(filled.facets, filled.cut.loops);
-  EXPECT_NEAR(areaOf(filled.facets), filled.cut.area, 0.01 * filled.cut.area);
+  EXPECT_NEAR(test::areaOf(filled.facets), filled.cut.area, 0.01 * filled.cut.area);
 }
 
 TEST(FacetHoles, ComponentsThatAreMissingComeWithThem) {
@@ -159,7 +147,7 @@ TEST(FacetHoles, ComponentsThatAreMissingComeWithThem) {
       fill(both, 0.2, 0.1, 0.003, [](const Vec3& x) { return x[0] > 2 || x[2] > 0.8; });
   ASSERT_EQ(filled.cut.loops.size(), 1U);
   expectFills(filled.facets, filled.cut.loops);
-  EXPECT_NEAR(areaOf(filled.facets), filled.cut.area, 0.01 * filled.cut.area);
+  EXPECT_NEAR(test::areaOf(filled.facets), filled.cut.area, 0.01 * filled.cut.area);
 }
 
 TEST(FacetHoles, BadHolesAreRefused) {

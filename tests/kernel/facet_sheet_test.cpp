@@ -6,6 +6,7 @@
 #include <numbers>
 #include <set>
 
+#include "facets.h"
 #include "meshes.h"
 #include "phront/facet.h"
 
@@ -58,21 +59,6 @@ FacetedSurface facetsOf(const TriMesh& mesh, double distance, double spacing, do
   return facets ? *facets : FacetedSurface{};
 }
 
-Vec3 areaVectorOf(const FacetedSurface& facets, const FacetPolygon& polygon) {
-  Vec3 twice = Vec3::Zero();
-  for (const auto& loop : polygon.loops)
-    for (std::size_t k = 1; k + 1 < loop.size(); ++k)
-      twice += (facets.points[loop[k]] - facets.points[loop[0]])
-                   .cross(facets.points[loop[k + 1]] - facets.points[loop[0]]);
-  return twice / 2;
-}
-
-double areaOf(const FacetedSurface& facets) {
-  double sum = 0;
-  for (const FacetPolygon& polygon : facets.polygons) sum += areaVectorOf(facets, polygon).norm();
-  return sum;
-}
-
 /// No side is used twice in a direction; those used in one only make closed loops: their number.
 int borderLoops(const FacetedSurface& facets) {
   std::set<std::pair<Index, Index>> sides;
@@ -120,7 +106,7 @@ TEST(FacetSheet, APlaneMovesAsOnePolygon) {
     const FacetedSurface facets = facetsOf(square, d, 0.07, 0.003, {Plane{Vec3::UnitZ(), 0.0}});
     ASSERT_EQ(facets.polygons.size(), 1U);
     EXPECT_EQ(borderLoops(facets), 1);
-    const Vec3 area = areaVectorOf(facets, facets.polygons[0]);
+    const Vec3 area = test::areaVectorOf(facets, facets.polygons[0]);
     EXPECT_NEAR(area.z(), 1, 1e-3);
     EXPECT_NEAR(facets.polygons[0].plane.normal.z(), 1, 1e-12);
     EXPECT_NEAR(facets.polygons[0].plane.offset, d, 1e-12);
@@ -134,11 +120,11 @@ TEST(FacetSheet, BothSidesOfAnArc) {
   for (const double d : {0.3, -0.3}) {
     const FacetedSurface facets = facetsOf(half, d, 0.06, 0.004);
     EXPECT_EQ(borderLoops(facets), 1);
-    EXPECT_NEAR(areaOf(facets), pi * (1 - d), 0.01 * pi);
+    EXPECT_NEAR(test::areaOf(facets), pi * (1 - d), 0.01 * pi);
     EXPECT_LT(facets.p99Deviation, 0.004);
     for (const FacetPolygon& polygon : facets.polygons) {
       const Vec3& p = facets.points[polygon.loops[0][0]];
-      EXPECT_LT(areaVectorOf(facets, polygon).dot(Vec3(p.x(), 0, p.z())), 0);  // as the sheet
+      EXPECT_LT(test::areaVectorOf(facets, polygon).dot(Vec3(p.x(), 0, p.z())), 0);  // as the sheet
     }
   }
 }
@@ -153,10 +139,10 @@ TEST(FacetSheet, AnAngleIsCutInsideAndRoundedOutside) {
   const double d = 0.25;
   const FacetedSurface inside = facetsOf(angle, d, 0.05, 0.002);
   EXPECT_EQ(borderLoops(inside), 1);
-  EXPECT_NEAR(areaOf(inside), 2 * (1 - d), 0.01);
+  EXPECT_NEAR(test::areaOf(inside), 2 * (1 - d), 0.01);
   const FacetedSurface outside = facetsOf(angle, -d, 0.05, 0.002);
   EXPECT_EQ(borderLoops(outside), 1);
-  EXPECT_NEAR(areaOf(outside), 2 + d * std::numbers::pi / 2, 0.01);
+  EXPECT_NEAR(test::areaOf(outside), 2 + d * std::numbers::pi / 2, 0.01);
 }
 
 TEST(FacetSheet, TwoSheetsFacingEachOtherMeetInTheMiddle) {
@@ -169,8 +155,8 @@ TEST(FacetSheet, TwoSheetsFacingEachOtherMeetInTheMiddle) {
     mesh.faceOf.push_back(1);
   }
   EXPECT_TRUE(facetsOf(mesh, 0.25, 0.05, 0.002).polygons.empty());
-  EXPECT_NEAR(areaOf(facetsOf(mesh, 0.15, 0.05, 0.002)), 2, 0.01);
-  EXPECT_NEAR(areaOf(facetsOf(mesh, -0.25, 0.05, 0.002)), 2, 0.01);
+  EXPECT_NEAR(test::areaOf(facetsOf(mesh, 0.15, 0.05, 0.002)), 2, 0.01);
+  EXPECT_NEAR(test::areaOf(facetsOf(mesh, -0.25, 0.05, 0.002)), 2, 0.01);
 }
 
 }  // namespace

@@ -16,9 +16,6 @@ namespace {
 
 constexpr double kMissedShare = 0.8;  // of the tolerance: nearer than |d| by this: not cut off
 constexpr double kClearShare = 0.1;   // nearer by less: certainly on the front
-// Narrower parts are left out, and narrower holes filled: of the tolerance. A point of such a hole
-// is nearer by no more than half of that than its edge.
-constexpr double kSliverShare = 1;
 constexpr std::size_t kLeastClear = 6;
 constexpr int kLeastGrid = 16;
 constexpr int kMostGrid = 64;
@@ -71,7 +68,9 @@ class PieceTrimmer {
       if (front_.seeds().empty()) break;
     }
     whole = lines.empty() && !cutAtBox;
-    const double sliver = kSliverShare * request_.tolerance;
+    // Parts and holes narrower than the tolerance: the distance changes by less from their middle
+    // to their borders, and OpenCASCADE can do little with them.
+    const double sliver = request_.tolerance;
     for (const TopoDS_Face& part : kept) {
       const Result<TopoDS_Face> face =
           front_.plane().onSurface(withoutSlits(part, sliver), piece_.surface, front_.chord());

@@ -47,9 +47,11 @@ class SideCutter {
   }
 
  private:
-  /// Unsure: on the front of the sheet, of either side.
+  /// Unsure: the foot is within the sheet, its side is not known.
   enum class Place : std::uint8_t { Beside, Unsure, Elsewhere };
 
+  /// Where the winding number says nothing the pseudonormal may only speak for the side wanted: on
+  /// crumpled edges it is as often wrong as right, and points left out leave holes.
   [[nodiscard]] Place placeOf(const Vec3& x) const {
     const FootPoint foot = sheet_.foot(x);
     if (foot.beyondBorder) return Place::Elsewhere;
@@ -57,6 +59,7 @@ class SideCutter {
     if (side != 0) return (side > 0) == (distance_ > 0) ? Place::Beside : Place::Elsewhere;
     return (foot.sign > 0) == (distance_ > 0) ? Place::Beside : Place::Unsure;
   }
+  /// Between a point that stays and one that goes: unsure ones stay.
   [[nodiscard]] bool isBeside(const Vec3& x) const { return placeOf(x) != Place::Elsewhere; }
   /// +1, -1, or 0 where it cannot be told. At edges and corners normals may disagree, above all
   /// where faces fold back or the part is untidy: there the winding number tells, which falls by
