@@ -50,14 +50,12 @@ class SideCutter {
   /// Unsure: the foot is within the sheet, its side is not known.
   enum class Place : std::uint8_t { Beside, Unsure, Elsewhere };
 
-  /// Where the winding number says nothing the pseudonormal may only speak for the side wanted: on
-  /// crumpled edges it is as often wrong as right, and points left out leave holes.
   [[nodiscard]] Place placeOf(const Vec3& x) const {
     const FootPoint foot = sheet_.foot(x);
     if (foot.beyondBorder) return Place::Elsewhere;
     const double side = sideOf(x, foot);
-    if (side != 0) return (side > 0) == (distance_ > 0) ? Place::Beside : Place::Elsewhere;
-    return (foot.sign > 0) == (distance_ > 0) ? Place::Beside : Place::Unsure;
+    if (side == 0) return Place::Unsure;
+    return (side > 0) == (distance_ > 0) ? Place::Beside : Place::Elsewhere;
   }
   /// Between a point that stays and one that goes: unsure ones stay.
   [[nodiscard]] bool isBeside(const Vec3& x) const { return placeOf(x) != Place::Elsewhere; }
