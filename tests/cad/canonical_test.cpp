@@ -7,10 +7,12 @@
 #include <BRepBuilderAPI_NurbsConvert.hxx>
 #include <BRepCheck_Analyzer.hxx>
 #include <BRepGProp.hxx>
+#include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
 #include <Geom_ConicalSurface.hxx>
 #include <ShapeUpgrade_ShapeDivideClosed.hxx>
 #include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <gp.hxx>
 #include <gp_Ax3.hxx>
@@ -19,6 +21,7 @@
 #include <numbers>
 
 #include "heal/elementary_fit.h"
+#include "heal/heal.h"
 #include "solids.h"
 
 namespace phront::cad {
@@ -74,6 +77,20 @@ TEST(RecogniseSurfaces, FindsCylinders) {
   EXPECT_EQ(found.at(GeomAbs_Cylinder), 2);
 }
 
+TEST(RecogniseSurfaces, FindsCircles) {
+  EXPECT_EQ(recogniseSurfaces(asNurbs(test::cylinder(2, 5)), 1e-6).edges, 6);
+}
+
+TEST(RecogniseSurfaces, FindsConesUpToTheApex) {
+  const TopoDS_Shape cone = test::cone(3, 7);
+  EXPECT_EQ(expectRecognised(cone).at(GeomAbs_Cone), 2);
+  const CanonicalShape result = recogniseSurfaces(asNurbs(cone), 1e-6);
+  int apexes = 0;
+  for (TopExp_Explorer e(result.shape, TopAbs_EDGE); e.More(); e.Next())
+    if (BRep_Tool::Degenerated(TopoDS::Edge(e.Current()))) ++apexes;
+  EXPECT_EQ(apexes, 2);
+}
+
 TEST(RecogniseSurfaces, FindsConesWithoutApex) {
   const TopoDS_Shape frustum = BRepPrimAPI_MakeCone(3.0, 1.0, 4.0).Solid();
   EXPECT_EQ(expectRecognised(frustum).at(GeomAbs_Cone), 2);
@@ -91,6 +108,22 @@ TEST(RecogniseSurfaces, FindsFilletsAndWorksInPlaceAnywhere) {
   EXPECT_EQ(found.at(GeomAbs_Plane), 6);
   EXPECT_EQ(found.at(GeomAbs_Cylinder), 12);
   EXPECT_EQ(found.at(GeomAbs_Sphere), 8);
+}
+
+// Every axis across a half has its poles on the border.
+TEST(RecogniseSurfaces, LeavesHalvesOfASphereAlone) {
+  const TopoDS_Shape halves = asNurbs(test::sphere(5));
+  EXPECT_EQ(recogniseSurfaces(halves, 1e-6).faces, 0);
+}
+
+TEST(MakeElementary, DividesASphereWhereItCanBeRecognised) {
+  const TopoDS_Shape nurbs = BRepBuilderAPI_NurbsConvert(test::sphere(5), Standard_True).Shape();
+  const TopoDS_Shape found = makeElementary(nurbs, 1e-6).shape;
+  EXPECT_EQ(surfacesOf(found), (std::map<GeomAbs_SurfaceType, int>{{GeomAbs_Sphere, 3}}));
+  EXPECT_TRUE(BRepCheck_Analyzer(found).IsValid());
+  EXPECT_NEAR(volumeOf(found), volumeOf(nurbs), 1e-6 * volumeOf(nurbs));
+  for (TopExp_Explorer e(found, TopAbs_EDGE); e.More(); e.Next())
+    EXPECT_LT(BRep_Tool::Tolerance(TopoDS::Edge(e.Current())), 1e-4);
 }
 
 TEST(RecogniseSurfaces, LeavesFreeformAlone) {

@@ -158,6 +158,22 @@ TEST(ExactOffset, ConeGetsACapAndKeepsItsApexInside) {
   expectVolume(test::cone(r, h), -d, scale * scale * scale * kPi * r * r * h / 3);
 }
 
+// The rulings of a B-spline cone run to the apex or from it, as its maker liked.
+TEST(ExactOffset, ConesOfBSplinesAreCones) {
+  const double d = 1;
+  gp_Trsf turn;
+  turn.SetRotation(gp_Ax1(gp_Pnt(1, 2, 3), gp_Dir(1, 2, -1)), 0.7);
+  const TopoDS_Shape whole = test::transformed(test::cone(10, 20), turn);
+  const TopoDS_Shape half =
+      test::transformed(TopoDS_Shape(BRepPrimAPI_MakeCone(10.0, 0.0, 20.0, kPi).Solid()), turn);
+  for (const TopoDS_Shape& cone : {whole, half}) {
+    const Result<AttemptResult> wanted = offset(cone, d);
+    ASSERT_TRUE(wanted) << wanted.error().message;
+    const TopoDS_Shape nurbs = BRepBuilderAPI_NurbsConvert(cone, Standard_True).Shape();
+    expectVolume(makeElementary(nurbs, 1e-6).shape, d, volumeOf(wanted->shape));
+  }
+}
+
 TEST(ExactOffset, KnifeEdgesGetHalfPipesAndTheirEnds) {
   // A square bar less a cylinder that touches two of its sides where they end.
   const double side = 2;

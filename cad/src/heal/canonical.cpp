@@ -8,8 +8,9 @@
 // curve only where every face on them is elementary: a new curve would leave the pcurves on a
 // freeform face wrong (parts were seen to change their volume by a third). Faces that come out
 // badly are struck off and all is built again without them.
-// A pole of the old surface is no pole of the new one: degenerated edges go. Weak spots: a face
-// with a seam is left alone (closed faces are divided before); ellipses stay B-splines.
+// A pole of the old surface is no pole of the new one, and its degenerated edge goes, but for the
+// apex of a cone. Weak spots: a face with a seam is left alone (closed faces are divided before);
+// ellipses stay B-splines.
 #include "heal/canonical.h"
 
 #include <BRepAdaptor_Curve.hxx>
@@ -55,6 +56,9 @@ constexpr int kMostPerDirection = 24;
 constexpr int kPerEdge = 9;
 // Points a parameter curve is interpolated through.
 constexpr int kCurvePoints = 33;
+// Between two of them an edge turns about the new surface's axis by less than this (rad), unless it
+// runs through a pole or the seam.
+constexpr double kMostTurn = 1;
 // Relative change of a face's area that a new surface may make.
 constexpr double kAreaChange = 1e-4;
 constexpr int kRounds = 4;
@@ -67,12 +71,16 @@ using CurveOnFace = Handle(Geom2d_Curve);
 
 Vec3 toVec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
-bool hasPole(const TopoDS_Face& face) {
+/// The vertex of the first degenerated edge; null without one.
+TopoDS_Vertex poleOf(const TopoDS_Face& face) {
   for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
-    if (BRep_Tool::Degenerated(TopoDS::Edge(it.Current()))) return true;
+    const TopoDS_Edge& edge = TopoDS::Edge(it.Current());
+    if (BRep_Tool::Degenerated(edge)) return TopExp::FirstVertex(edge);
   }
-  return false;
+  return {};
 }
+
+bool hasPole(const TopoDS_Face& face) { return !poleOf(face).IsNull(); }
 
 bool hasSeam(const TopoDS_Face& face) {
   std::set<const void*> seen;
@@ -132,6 +140,7 @@ std::vector<SurfacePoint> samplesOf(const TopoDS_Face& oriented) {
     }
   }
   for (const TopoDS_Edge& edge : edgesOf(face)) {
+    if (BRep_Tool::Degenerated(edge)) continue;  // its neighbours have the pole, too
     double first = 0;
     double last = 0;
     const CurveOnFace curve = BRep_Tool::CurveOnSurface(edge, face, first, last);
@@ -171,7 +180,7 @@ std::optional<Handle(Geom_Curve)> recogniseCurve(const TopoDS_Edge& edge, double
   const gp_Vec n = p.Crossed(q);
   if (n.SquareMagnitude() < 1e-24) return std::nullopt;
   const gp_Vec arm =
-      (q * p.SquareMagnitude() - p * q.SquareMagnitude()).Crossed(n) * (-0.5 / n.SquareMagnitude());
+      (q * p.SquareMagnitude() - p * q.SquareMagnitude()).Crossed(n) * (0.5 / n.SquareMagnitude());
   const gp_Pnt centre = middle.Translated(arm);
   const double radius = arm.Magnitude();
   // From a over the middle to b.
@@ -271,8 +280,9 @@ class Recogniser {
     }
     try {
       if (hasSeam(face)) return;
-      const std::vector<SurfacePoint> points = samplesOf(face);
-      const std::optional<ElementaryFit> found = fitElementary(points, tolerance_);
+      std::vector<SurfacePoint> points = samplesOf(face);
+      std::optional<ElementaryFit> found = fitElementary(points, tolerance_);
+      if (!found && hasPole(face)) found = fitUpToApex(face, points);
       if (!found) return;
       Fit fit{found->surface, found->deviation};
       const GeomAdaptor_Surface adaptor(fit.surface);
@@ -288,6 +298,26 @@ class Recogniser {
     } catch (const Standard_Failure&) {
       return;  // stays what it is
     }
+  }
+
+  /// The cone whose apex is a pole of the face; takes the apex, where no normal is, out of
+  /// `points`.
+  std::optional<ElementaryFit> fitUpToApex(const TopoDS_Face& face,
+                                           std::vector<SurfacePoint>& points) const {
+    const TopoDS_Vertex pole = poleOf(face);
+    const Vec3 apex = toVec(BRep_Tool::Pnt(pole));
+    std::erase_if(points,
+                  [&](const SurfacePoint& p) { return (p.point - apex).norm() < tolerance_; });
+    std::optional<ElementaryFit> found = fitElementary(points, tolerance_);
+    if (!found) return std::nullopt;
+    const GeomAdaptor_Surface surface(found->surface);
+    if (surface.GetType() != GeomAbs_Cone) return std::nullopt;
+    if (!isApex(surface, BRep_Tool::Pnt(pole))) return std::nullopt;
+    return found;
+  }
+
+  bool isApex(const GeomAdaptor_Surface& surface, const gp_Pnt& p) const {
+    return surface.GetType() == GeomAbs_Cone && surface.Cone().Apex().Distance(p) <= tolerance_;
   }
 
   void strikeOff(int f) {
@@ -378,20 +408,52 @@ class Recogniser {
       if (w.Value().ShapeType() != TopAbs_WIRE) continue;
       TopoDS_Wire wire;
       builder.MakeWire(wire);
+      std::vector<TopoDS_Vertex> apexes;
       for (TopoDS_Iterator e(w.Value()); e.More(); e.Next()) {
         const TopoDS_Edge& edge = TopoDS::Edge(e.Value());
-        if (BRep_Tool::Degenerated(edge)) continue;
+        if (BRep_Tool::Degenerated(edge)) {
+          apexes.push_back(TopExp::FirstVertex(edge));
+          continue;
+        }
         const auto known = edges_.find(edge.TShape().get());
         TopoDS_Edge used =
             known == edges_.end() ? edge : TopoDS::Edge(known->second.Oriented(edge.Orientation()));
         addCurve(used, face, middle);
         builder.Add(wire, used);
       }
+      const GeomAdaptor_Surface surface(fit.surface);
+      for (const TopoDS_Vertex& apex : apexes)
+        if (isApex(surface, BRep_Tool::Pnt(apex))) closeAtApex(wire, apex, face);
       wire.Closed(w.Value().Closed());
       builder.Add(face, fit.turned ? wire.Reversed() : TopoDS_Shape(wire));
     }
     BRepTools::Update(face);
     return face;
+  }
+
+  /// Adds the degenerated edge between the two edges of the wire that meet at the apex.
+  static void closeAtApex(TopoDS_Wire& wire, const TopoDS_Vertex& apex, const TopoDS_Face& face) {
+    gp_Pnt2d from;
+    gp_Pnt2d to;
+    for (TopoDS_Iterator it(wire); it.More(); it.Next()) {
+      const TopoDS_Edge& edge = TopoDS::Edge(it.Value());
+      gp_Pnt2d first;
+      gp_Pnt2d last;
+      BRep_Tool::UVPoints(edge, face, first, last);
+      if (edge.Orientation() == TopAbs_REVERSED) std::swap(first, last);
+      if (TopExp::LastVertex(edge, Standard_True).IsSame(apex)) from = last;
+      if (TopExp::FirstVertex(edge, Standard_True).IsSame(apex)) to = first;
+    }
+    const BRep_Builder builder;
+    TopoDS_Edge edge;
+    builder.MakeEdge(edge);
+    builder.Add(edge, apex.Oriented(TopAbs_FORWARD));
+    builder.Add(edge, apex.Oriented(TopAbs_REVERSED));
+    const double length = from.Distance(to);
+    builder.UpdateEdge(edge, straightPcurve(from, to, 0, length), face, Precision::Confusion());
+    builder.Range(edge, face, 0, length);
+    builder.Degenerated(edge, Standard_True);
+    builder.Add(wire, edge);
   }
 
   /// Where the face lies in the periods of its new surface.
@@ -425,14 +487,22 @@ class Recogniser {
     if (curve.IsNull()) throw Standard_Failure("an edge without a curve");
     std::vector<gp_Pnt2d> points;
     std::vector<double> at;
+    std::vector<std::size_t> atApex;
     for (int i = 0; i < kCurvePoints; ++i) {
       const double t = first + (last - first) * i / (kCurvePoints - 1);
-      gp_Pnt2d uv = parametersOn(surface, curve->Value(t).Transformed(location.Transformation()));
+      const gp_Pnt p = curve->Value(t).Transformed(location.Transformation());
+      if (isApex(surface, p)) atApex.push_back(points.size());
+      gp_Pnt2d uv = parametersOn(surface, p);
       uv.SetX(nearest(uv.X(), middle.X()));
       if (surface.GetType() == GeomAbs_Torus) uv.SetY(nearest(uv.Y(), middle.Y()));
       points.push_back(uv);
       at.push_back(t);
     }
+    // An edge comes to the apex at its own angle.
+    for (const std::size_t i : atApex) points[i].SetX(points[i == 0 ? 1 : i - 1].X());
+    for (std::size_t i = 1; i < points.size(); ++i)
+      if (std::abs(points[i].X() - points[i - 1].X()) > kMostTurn)
+        throw Standard_Failure("an edge through a pole or across the seam");
     const BRep_Builder builder;
     builder.UpdateEdge(edge, curveThrough(points, at), face, Precision::Confusion());
     builder.Range(edge, face, first, last);

@@ -25,6 +25,7 @@
 #include <ShapeUpgrade_UnifySameDomain.hxx>
 #include <Standard_Failure.hxx>
 #include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 #include <cmath>
@@ -51,6 +52,16 @@ int freeformFaces(const TopoDS_Shape& shape) {
     if (!isElementary(surface)) ++count;
   }
   return count;
+}
+
+/// Has a freeform face a degenerated edge?
+bool hasPole(const TopoDS_Shape& shape) {
+  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
+    if (isElementary(BRepAdaptor_Surface(TopoDS::Face(f.Current()), Standard_False))) continue;
+    for (TopExp_Explorer e(f.Current(), TopAbs_EDGE); e.More(); e.Next())
+      if (BRep_Tool::Degenerated(TopoDS::Edge(e.Current()))) return true;
+  }
+  return false;
 }
 
 int facesOf(const TopoDS_Shape& shape) {
@@ -98,9 +109,9 @@ TopoDS_Shape divideContinuity(const TopoDS_Shape& shape, double tolerance) {
   return divide.Perform() ? divide.Result() : shape;
 }
 
-TopoDS_Shape divideClosed(const TopoDS_Shape& shape) {
+TopoDS_Shape divideClosed(const TopoDS_Shape& shape, int cuts) {
   ShapeUpgrade_ShapeDivideClosed divide(shape);
-  divide.SetNbSplitPoints(1);
+  divide.SetNbSplitPoints(cuts);
   return divide.Perform() ? divide.Result() : shape;
 }
 
@@ -158,7 +169,10 @@ HealedShape makeElementary(const TopoDS_Shape& body, double tolerance) {
   if (freeformFaces(body) == 0) return healed;
   HealedShape steps;
   steps.shape = BRepBuilderAPI_Copy(body).Shape();
-  apply(steps, "division of closed faces", divideClosed);
+  // The halves of a sphere have no axis whose poles lie off their border; thirds have.
+  const int cuts = hasPole(steps.shape) ? 2 : 1;
+  apply(steps, "division of closed faces",
+        [&](const TopoDS_Shape& s) { return divideClosed(s, cuts); });
   CanonicalShape found;
   try {
     found = recogniseSurfaces(steps.shape, tolerance);
@@ -187,7 +201,8 @@ HealedShape heal(const TopoDS_Shape& body, const HealOptions& options) {
   if (options.unify) apply(healed, "merging faces", unify);
   apply(healed, "division at kinks",
         [&](const TopoDS_Shape& s) { return divideContinuity(s, options.tolerance); });
-  apply(healed, "division of closed faces", divideClosed);
+  apply(healed, "division of closed faces",
+        [](const TopoDS_Shape& s) { return divideClosed(s, 1); });
   apply(healed, "division of closed edges", divideClosedEdges);
   return healed;
 }

@@ -335,7 +335,8 @@ class Trimmer {
     if (found != known_.end()) {
       edge = found->second;
     } else {
-      edge = newAlongSide(u, low, high);
+      // The way of the edge it is the image of: neighbours and pipes rely on it.
+      edge = upward ? newAlongSide(u, low, high, 1) : newAlongSide(u, high, low, -1);
       upward = TopExp::FirstVertex(edge).IsSame(low);
     }
     if (whole) result_.edges[e] = edge;
@@ -344,13 +345,15 @@ class Trimmer {
     return {edge, upward ? a : b, upward ? b : a, false, {}};
   }
 
-  TopoDS_Edge newAlongSide(double u, const TopoDS_Vertex& low, const TopoDS_Vertex& high) {
-    if (!image_.torus) return arcs_.line(low, high);
+  /// `sense`: +1 towards growing v, -1 the other way.
+  TopoDS_Edge newAlongSide(double u, const TopoDS_Vertex& from, const TopoDS_Vertex& to,
+                           double sense) {
+    if (!image_.torus) return arcs_.line(from, to);
     const gp_Vec radial = gp_Vec(image_.frame.XDirection()) * std::cos(u) +
                           gp_Vec(image_.frame.YDirection()) * std::sin(u);
     const gp_Pnt centre = image_.frame.Location().Translated(radial * image_.radius);
     const gp_Vec axis = radial.Crossed(gp_Vec(image_.frame.Direction()));
-    return arcs_.arc(centre, axis, image_.tube, low, high);
+    return arcs_.arc(centre, axis * sense, image_.tube, from, to);
   }
 
   void addFace(const Range& range) {
