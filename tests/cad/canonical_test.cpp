@@ -21,6 +21,7 @@
 #include <numbers>
 
 #include "heal/elementary_fit.h"
+#include "heal/free_angle.h"
 #include "heal/heal.h"
 #include "solids.h"
 
@@ -79,6 +80,14 @@ TEST(RecogniseSurfaces, FindsCylinders) {
 
 TEST(RecogniseSurfaces, FindsCircles) {
   EXPECT_EQ(recogniseSurfaces(asNurbs(test::cylinder(2, 5)), 1e-6).edges, 6);
+}
+
+TEST(RecogniseSurfaces, FindsCylindersMostOfTheWayRound) {
+  for (const double degrees : {120, 180, 240, 270, 300, 330}) {
+    const TopoDS_Shape sector =
+        BRepPrimAPI_MakeCylinder(5.0, 3.0, degrees * std::numbers::pi / 180).Solid();
+    EXPECT_EQ(expectRecognised(sector).at(GeomAbs_Cylinder), 1) << degrees;
+  }
 }
 
 TEST(RecogniseSurfaces, FindsConesUpToTheApex) {
@@ -152,6 +161,16 @@ TEST(FitElementary, RefusesWhatLiesOffTheSurface) {
   }
   EXPECT_FALSE(fitElementary(points, 1e-4));
   EXPECT_TRUE(fitElementary(points, 2e-3));
+}
+
+TEST(WidestFreeAngle, IsWhereNothingLies) {
+  using std::numbers::pi;
+  const FreeAngle free = widestFreeAngle({0.5, -0.5, 2, 2 * pi + 1});
+  EXPECT_NEAR(free.middle, (2 + 2 * pi - 0.5) / 2, 1e-12);
+  EXPECT_NEAR(free.width, 2 * pi - 2.5, 1e-12);
+  EXPECT_NEAR(widestFreeAngle({1}).middle, 1 + pi, 1e-12);
+  EXPECT_NEAR(widestFreeAngle({1}).width, 2 * pi, 1e-12);
+  EXPECT_NEAR(widestFreeAngle({}).width, 2 * pi, 1e-12);
 }
 
 TEST(FitElementary, NeedsPoints) {

@@ -45,6 +45,7 @@
 #include "exchange/measures.h"
 #include "exchange/tolerances.h"
 #include "heal/elementary_fit.h"
+#include "heal/free_angle.h"
 #include "patches/patch_tools.h"
 
 namespace phront::cad {
@@ -459,18 +460,15 @@ class Recogniser {
   /// Where the face lies in the periods of its new surface.
   static gp_Pnt2d middleOn(const TopoDS_Face& face, const Fit& fit) {
     const GeomAdaptor_Surface surface(fit.surface);
-    gp_Vec2d u(0, 0);
-    gp_Vec2d v(0, 0);
+    std::vector<double> u;
+    std::vector<double> v;
     for (const SurfacePoint& s : samplesOf(face)) {
       const gp_Pnt2d uv = parametersOn(surface, gp_Pnt(s.point.x(), s.point.y(), s.point.z()));
-      u += gp_Vec2d(std::cos(uv.X()), std::sin(uv.X()));
-      v += gp_Vec2d(std::cos(uv.Y()), std::sin(uv.Y()));
+      u.push_back(uv.X());
+      v.push_back(uv.Y());
     }
-    const auto angle = [](const gp_Vec2d& d) {
-      const double a = std::atan2(d.Y(), d.X());
-      return a < 0 ? a + 2 * M_PI : a;
-    };
-    return {angle(u), angle(v)};
+    return {std::remainder(widestFreeAngle(std::move(u)).middle, 2 * M_PI) + M_PI,
+            std::remainder(widestFreeAngle(std::move(v)).middle, 2 * M_PI) + M_PI};
   }
 
   void addCurve(const TopoDS_Edge& use, const TopoDS_Face& face, const gp_Pnt2d& middle) {

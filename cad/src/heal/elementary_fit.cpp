@@ -22,6 +22,8 @@
 #include <numbers>
 #include <vector>
 
+#include "heal/free_angle.h"
+
 namespace phront::cad {
 namespace {
 
@@ -112,7 +114,7 @@ class Fitter {
     const double deviation = worst([&](const Vec3& p) { return residual(x, p); }, normal);
     if (deviation > tolerance_) return std::nullopt;
 
-    // Seam opposite the middle of the points, axis where they reach the least latitude.
+    // The axis across the middle of the points about which they reach the least latitude.
     Vec3 middle = Vec3::Zero();
     for (const SurfacePoint& p : points_) middle += normal(p.point);
     if (middle.norm() < kClear * static_cast<double>(points_.size())) return std::nullopt;
@@ -134,7 +136,7 @@ class Fitter {
       }
     }
     if (std::asin(std::min(1.0, least)) > std::numbers::pi / 2 - kClear) return std::nullopt;
-    const auto frame = frameAround(c, axis, middle);
+    const auto frame = frameAround(c, axis);
     if (!frame) return std::nullopt;
     return ElementaryFit{new Geom_SphericalSurface(*frame, r * size_), deviation* size_};
   }
@@ -172,7 +174,7 @@ class Fitter {
     const auto normal = [&](const Vec3& p) -> Vec3 { return radial(x, p).normalized(); };
     const double deviation = worst([&](const Vec3& p) { return residual(x, p); }, normal);
     if (deviation > tolerance_) return std::nullopt;
-    const auto frame = frameAround(x[0] * e1 + x[1] * e2, axisOf(x), meanOf(normal));
+    const auto frame = frameAround(x[0] * e1 + x[1] * e2, axisOf(x));
     if (!frame) return std::nullopt;
     return ElementaryFit{new Geom_CylindricalSurface(*frame, x[4] * size_), deviation* size_};
   }
@@ -222,7 +224,7 @@ class Fitter {
     const double deviation = worst([&](const Vec3& p) { return residual(x, p); }, normal);
     if (deviation > tolerance_) return std::nullopt;
     // The reference circle at the lowest point keeps the radius positive.
-    const auto frame = frameAround(apex + lowest * z, z, meanOf(radial));
+    const auto frame = frameAround(apex + lowest * z, z);
     if (!frame) return std::nullopt;
     return ElementaryFit{new Geom_ConicalSurface(*frame, half, lowest * std::tan(half) * size_),
                          deviation* size_};
@@ -276,8 +278,7 @@ class Fitter {
     };
     const double deviation = worst([&](const Vec3& p) { return residual(x, p); }, normal);
     if (deviation > tolerance_) return std::nullopt;
-    const auto around = [&](const Vec3& p) { return radial(x, p); };
-    const auto frame = frameAround(c, axisOf(x), meanOf(around));
+    const auto frame = frameAround(c, axisOf(x));
     if (!frame) return std::nullopt;
     return ElementaryFit{new Geom_ToroidalSurface(*frame, major * size_, minor * size_),
                          deviation* size_};
@@ -327,24 +328,18 @@ class Fitter {
     return std::isfinite(result) ? result : std::numeric_limits<double>::infinity();
   }
 
-  template <class Direction>
-  Vec3 meanOf(const Direction& direction) const {
-    Vec3 sum = Vec3::Zero();
-    for (const SurfacePoint& p : points_) sum += direction(p.point);
-    return sum / static_cast<double>(points_.size());
-  }
-
-  /// Frame with the seam opposite `middle`; nullopt when points lie near the seam.
-  std::optional<gp_Ax3> frameAround(const Vec3& origin, const Vec3& axis,
-                                    const Vec3& middle) const {
-    Vec3 x = -(middle - axis * axis.dot(middle));
-    if (x.norm() < kClear) return std::nullopt;
-    x.normalize();
-    const Vec3 y = axis.cross(x);
+  /// Frame with the seam in the middle of the angle that the points leave free; nullopt when they
+  /// leave too little.
+  std::optional<gp_Ax3> frameAround(const Vec3& origin, const Vec3& axis) const {
+    const auto [e1, e2] = across(axis);
+    std::vector<double> angles;
     for (const SurfacePoint& p : points_) {
       const Vec3 d = p.point - origin;
-      if (std::abs(std::atan2(d.dot(y), d.dot(x))) < kClear) return std::nullopt;
+      angles.push_back(std::atan2(d.dot(e2), d.dot(e1)));
     }
+    const FreeAngle free = widestFreeAngle(std::move(angles));
+    if (free.width < 2 * kClear) return std::nullopt;
+    const Vec3 x = std::cos(free.middle) * e1 + std::sin(free.middle) * e2;
     return gp_Ax3(toPoint(origin), gp_Dir(axis.x(), axis.y(), axis.z()),
                   gp_Dir(x.x(), x.y(), x.z()));
   }
