@@ -198,8 +198,8 @@ Result<OffsetResult> offsetModel(const Model& model, const OffsetOptions& reques
   const std::vector<Body> bodies = joinNearBodies(model.bodies, options.distance, report.warnings);
   const Progress forBodies = progress.part(0, 0.95);
   Result<std::vector<BodyOffset>> offsets =
-      BodiesOffset(bodies, options, deadline.left() * (bodies.size() > 1 ? kBodiesShare : 1),
-                   forBodies)
+      BodiesOffset(bodies, options,
+                   deadline.left() * (model.bodies.size() > 1 ? kBodiesShare : 1), forBodies)
           .run();
   if (!offsets) return tl::unexpected(offsets.error());
   for (std::size_t b = 0; b < offsets->size(); ++b) {
