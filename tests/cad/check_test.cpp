@@ -213,6 +213,20 @@ TEST(Check, PassesTwoBodiesThatMerge) {
   EXPECT_TRUE(r->pass()) << reasonsOf(*r);
 }
 
+// Distances have no side: a sheet on both sides covers all there is and is nowhere off.
+TEST(Check, RefusesPatchesOnTheOtherSideOfASheet) {
+  const double d = 2;
+  const Result<CheckResult> r =
+      checkOffset(modelOf({plane(50, 0)}, BodyKind::Sheet),
+                  modelOf({plane(50, d), plane(20, -d)}, BodyKind::Sheet), quick(d));
+  ASSERT_TRUE(r) << r.error().message;
+  EXPECT_LT(r->accuracyMax, 1e-6);
+  EXPECT_LT(r->coverageMax, 1e-6);
+  EXPECT_NEAR(r->rightSide, 2500.0 / 2900, 0.02);
+  ASSERT_EQ(r->reasons.size(), 1U) << reasonsOf(*r);
+  EXPECT_TRUE(says(*r, "wrong side"));
+}
+
 TEST(Check, PassesASheetOnTheSideOfItsNormal) {
   for (const double d : {3.0, -3.0}) {
     const auto r = checkOffset(modelOf({plane(50, 0)}, BodyKind::Sheet),

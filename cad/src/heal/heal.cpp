@@ -161,31 +161,41 @@ TopoDS_Shape unify(const TopoDS_Shape& shape) {
   return unifier.Shape();
 }
 
+/// Closed faces divided by so many cuts, then recognised; without notes where nothing is.
+HealedShape recognisedIn(const TopoDS_Shape& body, int cuts, double tolerance) {
+  HealedShape divided;
+  divided.shape = BRepBuilderAPI_Copy(body).Shape();
+  apply(divided, "division of closed faces",
+        [&](const TopoDS_Shape& s) { return divideClosed(s, cuts); });
+  HealedShape recognised;
+  try {
+    const CanonicalShape found = recogniseSurfaces(divided.shape, tolerance);
+    if (found.faces == 0) return recognised;
+    recognised.shape = found.shape;
+    recognised.notes.push_back(
+        fmt::format("{} of {} freeform faces are planes, cylinders, cones, spheres or tori within "
+                    "{:.2g} mm",
+                    found.faces, freeformFaces(divided.shape), found.deviation));
+  } catch (const Standard_Failure&) {  // stays what it is
+  }
+  return recognised;
+}
+
 }  // namespace
 
 HealedShape makeElementary(const TopoDS_Shape& body, double tolerance) {
-  HealedShape healed;
-  healed.shape = body;
-  if (freeformFaces(body) == 0) return healed;
-  HealedShape steps;
-  steps.shape = BRepBuilderAPI_Copy(body).Shape();
+  HealedShape best;
+  best.shape = body;
+  if (freeformFaces(body) == 0) return best;
   // The halves of a sphere have no axis whose poles lie off their border; thirds have.
-  const int cuts = hasPole(steps.shape) ? 2 : 1;
-  apply(steps, "division of closed faces",
-        [&](const TopoDS_Shape& s) { return divideClosed(s, cuts); });
-  CanonicalShape found;
-  try {
-    found = recogniseSurfaces(steps.shape, tolerance);
-  } catch (const Standard_Failure&) {
-    return healed;
+  for (const int cuts : {1, 2}) {
+    if (cuts > 1 && !hasPole(best.shape)) break;
+    const HealedShape found = recognisedIn(body, cuts, tolerance);
+    if (!found.notes.empty() &&
+        (best.notes.empty() || freeformFaces(found.shape) < freeformFaces(best.shape)))
+      best = found;
   }
-  if (found.faces == 0) return healed;
-  healed.shape = found.shape;
-  healed.notes.push_back(
-      fmt::format("{} of {} freeform faces are planes, cylinders, cones, spheres or tori within "
-                  "{:.2g} mm",
-                  found.faces, freeformFaces(steps.shape), found.deviation));
-  return healed;
+  return best;
 }
 
 HealedShape heal(const TopoDS_Shape& body, const HealOptions& options) {

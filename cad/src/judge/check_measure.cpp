@@ -312,6 +312,12 @@ void searchRemains(const ModelDistance& in, const TrueOffset& offset, const Meas
   }
 }
 
+/// Where phi > 0; nullopt beside the free edges of a sheet.
+std::optional<bool> isOutside(const ModelDistance& in, const Vec3& x) {
+  if (in.hasSolids()) return !in.inside(x);
+  return in.beforeSheet(x);
+}
+
 }  // namespace
 
 AccuracyFigures measureAccuracy(const ModelDistance& in, const ModelDistance& out,
@@ -336,10 +342,12 @@ AccuracyFigures measureAccuracy(const ModelDistance& in, const ModelDistance& ou
     const SurfaceSample& s = samples[i];
     seeds.push_back({s, error(s)});
     errors.add(seeds.back().score, s.weight);
-    if (!in.hasSolids() || i % stride != 0) continue;
+    if (i % stride != 0) continue;
     if (out.buried(s.body, s.triangle)) buried += s.weight;
+    const std::optional<bool> outside = isOutside(in, s.point);
+    if (!outside) continue;
     sided += s.weight;
-    if (in.inside(s.point) == (options.distance < 0)) right += s.weight;
+    if (*outside == (options.distance > 0)) right += s.weight;
   }
   if (sided > 0) {
     figures.rightSide = right / sided;

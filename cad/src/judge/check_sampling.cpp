@@ -160,6 +160,17 @@ bool ModelDistance::inside(std::size_t body, const Vec3& x) const {
          std::abs(part.distance->surface().windingNumber(x)) > 0.5;
 }
 
+std::optional<bool> ModelDistance::beforeSheet(const Vec3& x) const {
+  TrueDistance::Foot nearest;
+  nearest.distance = std::numeric_limits<double>::infinity();
+  for (const Part& part : parts_) {
+    const TrueDistance::Foot foot = part.distance->foot(x);
+    if (foot.distance < nearest.distance) nearest = foot;
+  }
+  if (nearest.beyondBorder) return std::nullopt;
+  return nearest.sign > 0;
+}
+
 double ModelDistance::winding(const Vec3& x) const {
   double sum = 0;
   for (const Part& part : parts_) {
