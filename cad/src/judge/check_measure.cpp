@@ -312,7 +312,7 @@ void searchRemains(const ModelDistance& in, const TrueOffset& offset, const Meas
   }
 }
 
-/// Where phi > 0; nullopt beside the free edges of a sheet.
+/// Where phi > 0; nullopt beside the edges of a sheet.
 std::optional<bool> isOutside(const ModelDistance& in, const Vec3& x) {
   if (in.hasSolids()) return !in.inside(x);
   return in.beforeSheet(x);

@@ -167,7 +167,7 @@ std::optional<bool> ModelDistance::beforeSheet(const Vec3& x) const {
     const TrueDistance::Foot foot = part.distance->foot(x);
     if (foot.distance < nearest.distance) nearest = foot;
   }
-  if (nearest.beyondBorder) return std::nullopt;
+  if (nearest.feature.kind != FeatureKind::Face) return std::nullopt;
   return nearest.sign > 0;
 }
 

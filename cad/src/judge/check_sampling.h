@@ -69,8 +69,8 @@ class ModelDistance {
   [[nodiscard]] double meshDistance(const Vec3& x) const;  ///< to the triangles, >= 0
   [[nodiscard]] bool inside(const Vec3& x) const;          ///< inside any solid, by winding number
   [[nodiscard]] bool inside(std::size_t body, const Vec3& x) const;  ///< inside that one, a solid
-  /// Of sheets: does x lie on the side of their normals? nullopt where the nearest of them ends, so
-  /// that x is on neither side.
+  /// Of sheets: does x lie on the side of the normal of the nearest face? nullopt where its foot is
+  /// on an edge or vertex: beside a free edge there is no side, beside slivers none to rely on.
   [[nodiscard]] std::optional<bool> beforeSheet(const Vec3& x) const;
   /// Do solids overlap at this triangle, themselves or one another: is its outer side inside one,
   /// or its inner side inside two? False on sheets.
