@@ -15,7 +15,7 @@ struct SurfacePoint {
 };
 
 struct ElementaryFit {
-  Handle(Geom_Surface) surface;  ///< seam opposite the points, its poles and apex away from them
+  Handle(Geom_Surface) surface;  ///< seam, poles and apex where no points are
   double deviation = 0;          ///< largest distance of a point from it
 };
 

@@ -15,7 +15,7 @@ namespace phront::cad {
 namespace {
 
 constexpr int kPoints = 33;         // odd: one in the middle
-constexpr double kLeastChord = 10;  // tolerances
+constexpr double kLeastChord = 10;  // in tolerances
 constexpr double kCollinear = 1e-24;
 
 std::vector<gp_Pnt> pointsOf(const BRepAdaptor_Curve& curve) {
