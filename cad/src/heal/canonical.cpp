@@ -37,6 +37,7 @@
 #include "heal/face_on_surface.h"
 #include "heal/face_samples.h"
 #include "heal/line_or_circle.h"
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 namespace {
@@ -50,15 +51,6 @@ constexpr int kRounds = 4;
 constexpr double kLeastConicAngle = 1e-3;
 
 Vec3 toVec(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
-
-/// The vertex of the first degenerated edge; null without one.
-TopoDS_Vertex poleOf(const TopoDS_Face& face) {
-  for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
-    const TopoDS_Edge& edge = TopoDS::Edge(it.Current());
-    if (BRep_Tool::Degenerated(edge)) return TopExp::FirstVertex(edge);
-  }
-  return {};
-}
 
 bool hasPole(const TopoDS_Face& face) { return !poleOf(face).IsNull(); }
 

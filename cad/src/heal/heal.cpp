@@ -32,6 +32,7 @@
 
 #include "exchange/measures.h"
 #include "heal/canonical.h"
+#include "patches/patch_tools.h"
 
 namespace phront::cad {
 namespace {
@@ -54,12 +55,12 @@ int freeformFaces(const TopoDS_Shape& shape) {
   return count;
 }
 
-/// Has a freeform face a degenerated edge?
+/// Has a freeform face a pole?
 bool hasPole(const TopoDS_Shape& shape) {
-  for (TopExp_Explorer f(shape, TopAbs_FACE); f.More(); f.Next()) {
-    if (isElementary(BRepAdaptor_Surface(TopoDS::Face(f.Current()), Standard_False))) continue;
-    for (TopExp_Explorer e(f.Current(), TopAbs_EDGE); e.More(); e.Next())
-      if (BRep_Tool::Degenerated(TopoDS::Edge(e.Current()))) return true;
+  for (TopExp_Explorer it(shape, TopAbs_FACE); it.More(); it.Next()) {
+    const TopoDS_Face& face = TopoDS::Face(it.Current());
+    if (!isElementary(BRepAdaptor_Surface(face, Standard_False)) && !poleOf(face).IsNull())
+      return true;
   }
   return false;
 }

@@ -14,9 +14,9 @@
 namespace phront::cad {
 namespace {
 
-constexpr int kPoints = 33;         // odd: one in the middle
-constexpr double kLeastChord = 10;  // in tolerances
-constexpr double kCollinear = 1e-24;
+constexpr int kPoints = 33;           // odd: one in the middle
+constexpr double kLeastChord = 10;    // in tolerances
+constexpr double kCollinear = 1e-24;  // mm^4: square of twice the triangle's area
 
 std::vector<gp_Pnt> pointsOf(const BRepAdaptor_Curve& curve) {
   std::vector<gp_Pnt> points;

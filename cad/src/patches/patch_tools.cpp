@@ -137,6 +137,12 @@ std::vector<TopoDS_Edge> edgesOf(const TopoDS_Face& face) {
   return edges;
 }
 
+TopoDS_Vertex poleOf(const TopoDS_Face& face) {
+  for (const TopoDS_Edge& edge : edgesOf(face))
+    if (BRep_Tool::Degenerated(edge)) return TopExp::FirstVertex(edge);
+  return {};
+}
+
 double diagonalOf(const TopoDS_Shape& shape) {
   Bnd_Box box;
   BRepBndLib::Add(shape, box, Standard_False);

@@ -29,6 +29,9 @@ inline constexpr double kAngularTolerance = 1e-6;
 /// The face's orientation-composed edges, degenerated ones included, in wire order.
 [[nodiscard]] std::vector<TopoDS_Edge> edgesOf(const TopoDS_Face& face);
 
+/// The vertex of the face's first degenerated edge; null without one.
+[[nodiscard]] TopoDS_Vertex poleOf(const TopoDS_Face& face);
+
 /// Diagonal of the bounding box.
 [[nodiscard]] double diagonalOf(const TopoDS_Shape& shape);
 
